@@ -60,8 +60,7 @@ Line line_along(const Model& model, const ForcePeaks& row) {
 }
 
 /// `verdict`: nullptr where nothing is judged.
-std::string table_of(const Model& model, const std::vector<ForcePeaks>& rows, Line head, const Verdict* verdict) {
-  if (rows.empty()) return "";
+TextTable table_of(const Model& model, const std::vector<ForcePeaks>& rows, Line head, const Verdict* verdict) {
   std::vector<bool> right(head.size(), true);
   right[0] = right[1] = false;
   if (verdict != nullptr) {
@@ -75,10 +74,11 @@ std::string table_of(const Model& model, const std::vector<ForcePeaks>& rows, Li
     const Line judged = judged_cells(worst_row(*verdict, row.of));
     line.insert(line.end(), judged.begin(), judged.end());
   }
-  return format_table(lines, right);
+  return {std::move(lines), std::move(right)};
 }
 
-std::string tables_of(const Model& model, const std::vector<ForcePeaks>& all, const Verdict* verdict) {
+/// Those of joints, of force elements and of actors, each where there is one.
+std::vector<TextTable> tables_of(const Model& model, const std::vector<ForcePeaks>& all, const Verdict* verdict) {
   const auto those = [&](const auto& are) {
     std::vector<ForcePeaks> chosen;
     std::copy_if(all.begin(), all.end(), std::back_inserter(chosen), [&](const auto& row) { return are(row.of.kind); });
@@ -87,22 +87,27 @@ std::string tables_of(const Model& model, const std::vector<ForcePeaks>& all, co
   const auto wrench_head = [](const char* owner) {
     return Line{owner, "on", "peak F [N]", "at t [s]", "peak T [N m]", "at t [s]"};
   };
+  std::vector<TextTable> tables{
+      table_of(model, those([](Kind kind) { return kind == Kind::reaction; }), wrench_head("joint"), verdict),
+      table_of(model, those([](Kind kind) { return kind == Kind::element; }), wrench_head("force element"), verdict),
+      table_of(model, those(is_scalar_force), {"force", "along", "peak", "at t [s]", "RMS", "peak power [W]"},
+               verdict)};
+  std::erase_if(tables, [](const TextTable& table) { return table.lines.size() < 2; });
+  return tables;
+}
+
+/// Below each other, with an empty line between two.
+std::string text_of(const std::vector<TextTable>& tables) {
   std::string text;
-  for (const std::string& table :
-       {table_of(model, those([](Kind kind) { return kind == Kind::reaction; }), wrench_head("joint"), verdict),
-        table_of(model, those([](Kind kind) { return kind == Kind::element; }), wrench_head("force element"), verdict),
-        table_of(model, those(is_scalar_force), {"force", "along", "peak", "at t [s]", "RMS", "peak power [W]"},
-                 verdict)}) {
-    if (!table.empty()) text += (text.empty() ? "" : "\n") + table;
-  }
+  for (const TextTable& table : tables) text += (text.empty() ? "" : "\n") + format_table(table);
   return text;
 }
 
 /// What is said of axes that are not those of the sides; `verdict`: nullptr where nothing is judged.
-std::string axes_line(const Model& model, std::optional<int> axes, const Verdict* verdict) {
+std::string axes_words(const Model& model, std::optional<int> axes, const Verdict* verdict) {
   if (!axes) return "";
   return fmt::format(
-      "wrenches in {}, each at the point of its own side{}\n", words_of(model, axes),
+      "wrenches in {}, each at the point of its own side{}", words_of(model, axes),
       verdict != nullptr ? "; digits and verdicts are those of components in each side's own frame" : "");
 }
 
@@ -120,8 +125,8 @@ double largest_difference(const ToldRun& one, const ToldRun& other, const Quanti
 
 /// Each component of wrenches in the axes of a body: its peak with its sign, when, and, of two runs, by how much they
 /// differ at most.
-std::string component_table(const Model& model, const std::vector<ForcePeaks>& peaks, std::optional<int> axes,
-                            const std::vector<ToldRun>& runs) {
+TextTable component_table(const Model& model, const std::vector<ForcePeaks>& peaks, std::optional<int> axes,
+                          const std::vector<ToldRun>& runs) {
   const QuantityLayout layout(model);
   std::vector<Line> lines{{"in " + words_of(model, axes), "on", "component", "peak", "at t [s]"}};
   if (runs.size() == 2) lines.front().emplace_back("runs differ by");
@@ -143,7 +148,7 @@ std::string component_table(const Model& model, const std::vector<ForcePeaks>& p
   }
   std::vector<bool> right(lines.front().size(), true);
   std::fill_n(right.begin(), 3, false);
-  return format_table(lines, right);
+  return {std::move(lines), std::move(right)};
 }
 
 /// The runs of a verdict that are told: the first one that there is, and the other; nullptr: none.
@@ -222,19 +227,27 @@ std::vector<ForcePeaks> peaks_of(const Model& model, const Verdict& verdict) {
 
 std::string format_peaks(const Model& model, const Trajectory& run, const Mask* unique, std::optional<int> axes) {
   const std::vector<ForcePeaks> peaks = force_peaks(QuantityLayout(model), &run, unique, axes);
-  return axes_line(model, axes, nullptr) + tables_of(model, peaks, nullptr) +
-         (axes ? '\n' + component_table(model, peaks, axes, {}) : "");
+  std::vector<TextTable> tables = tables_of(model, peaks, nullptr);
+  if (axes) tables.push_back(component_table(model, peaks, axes, {}));
+  return axes_words(model, axes, nullptr) + (axes ? "\n" : "") + text_of(tables);
+}
+
+ForceTables force_tables(const Model& model, const Verdict& verdict) {
+  const std::vector<ForcePeaks> peaks = peaks_of(model, verdict);
+  ForceTables told{"", tables_of(model, peaks, &verdict)};
+  const auto [run, other] = told_runs(verdict);
+  if (!verdict.axes || run == nullptr) return told;
+  const QuantityLayout layout(model);
+  std::vector<ToldRun> both{told_in(layout, *run, &*verdict.unique, *verdict.axes)};
+  if (other != nullptr) both.push_back(told_in(layout, *other, &*verdict.unique, *verdict.axes));
+  told.axes = axes_words(model, verdict.axes, &verdict);
+  told.tables.push_back(component_table(model, peaks, verdict.axes, both));
+  return told;
 }
 
 std::string format_forces(const Model& model, const Verdict& verdict) {
-  const std::vector<ForcePeaks> peaks = peaks_of(model, verdict);
-  std::string text = tables_of(model, peaks, &verdict);
-  if (const auto [run, other] = told_runs(verdict); verdict.axes && run != nullptr) {
-    const QuantityLayout layout(model);
-    std::vector<ToldRun> both{told_in(layout, *run, &*verdict.unique, *verdict.axes)};
-    if (other != nullptr) both.push_back(told_in(layout, *other, &*verdict.unique, *verdict.axes));
-    text = axes_line(model, verdict.axes, &verdict) + text + '\n' + component_table(model, peaks, verdict.axes, both);
-  }
+  const ForceTables told = force_tables(model, verdict);
+  const std::string text = told.axes + (told.axes.empty() ? "" : "\n") + text_of(told.tables);
   const std::string lowered = lowered_needs(model, verdict);
   return text + (text.empty() ? "" : "\n") + lowered + (lowered.empty() ? "" : "\n");
 }

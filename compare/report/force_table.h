@@ -8,6 +8,7 @@
 #include "common/results.h"
 #include "compare/quantities/agreement.h"
 #include "compare/report/peaks.h"
+#include "compare/report/text_table.h"
 #include "compare/verdict/verdict.h"
 
 /// The forces of a run as tables: a row for each joint and side, each force element and side, and each driver, motor,
@@ -25,6 +26,13 @@ std::string format_peaks(const Model& model, const Trajectory& run, const Mask* 
 /// digits, or fails it most, and what became of it. Without a run, or where uniqueness is not known, there are no
 /// peaks. Needs that the model lowers follow.
 std::string format_forces(const Model& model, const Verdict& verdict);
+
+/// The tables of format_forces(), and what stands above them of axes that are not those of the sides.
+struct ForceTables {
+  std::string axes;
+  std::vector<TextTable> tables;
+};
+ForceTables force_tables(const Model& model, const Verdict& verdict);
 
 /// The peaks that format_forces() shows.
 std::vector<ForcePeaks> peaks_of(const Model& model, const Verdict& verdict);

@@ -11,7 +11,9 @@
 #include "compare/quantities/observe.h"
 #include "compare/report/explanations.h"
 #include "compare/report/files.h"
+#include "compare/report/force_table.h"
 #include "compare/report/origin.h"
+#include "compare/report/start_text.h"
 #include "compare/report/table.h"
 #include "compare/verdict/carried.h"
 #include "compare/verdict/refinement.h"
@@ -202,7 +204,7 @@ ResultJson reference_curve(const ReferenceRow& row) {
           {"values", std::move(values)}};
 }
 
-ResultJson result_solver(const SolverSummary& solver) {
+ResultJson result_solver(const Verdict& verdict, const SolverSummary& solver) {
   return {{"name", solver.name},
           {"integrator", solver.integrator},
           {"cut_joints", solver.cut_joints},
@@ -215,7 +217,27 @@ ResultJson result_solver(const SolverSummary& solver) {
           {"audit_digits", or_null(solver.audit_digits)},
           {"audit_worst", solver.audit_worst},
           {"audit_need", solver.audit_need},
-          {"energy_error", or_null(solver.energy_error)}};
+          {"energy_error", or_null(solver.energy_error)},
+          {"energy_drift", solver.energy ? drift_text(*solver.energy, verdict.energy_allowed) : ""}};
+}
+
+/// A table as it is printed: its lines, the head first, and which columns stand right.
+ResultJson table_json(const TextTable& table) { return {{"lines", table.lines}, {"right", table.right}}; }
+
+/// What is told beside the verdict, as it is printed: the forces of the run, and the pose at the start.
+ResultJson told_tables(const Model& model, const Verdict& verdict) {
+  ResultJson told = ResultJson::array();
+  const auto add = [&](const char* title, std::vector<std::string> words, const std::vector<TextTable>& tables) {
+    ResultJson& one = told.emplace_back(ResultJson{{"title", title}, {"words", std::move(words)}});
+    for (const TextTable& table : tables) one["tables"].push_back(table_json(table));
+  };
+  const auto [axes, forces] = force_tables(model, verdict);
+  if (!forces.empty()) add("Forces", axes.empty() ? std::vector<std::string>{} : std::vector{axes}, forces);
+  if (verdict.start && !verdict.start->coordinates.empty()) {
+    const auto [table, lines] = start_table(model, *verdict.start);
+    add("Pose at the start", lines, {table});
+  }
+  return told;
 }
 
 ResultJson result_check(const char* name, const CheckSummary& check) {
@@ -258,7 +280,7 @@ std::string format_result(const Model& model, const Verdict& verdict) {
     findings.push_back({{"what", finding.what}, {"symptom", finding.symptom}});
   }
   ResultJson solvers = ResultJson::array();
-  for (const SolverSummary& solver : verdict.solvers) solvers.push_back(result_solver(solver));
+  for (const SolverSummary& solver : verdict.solvers) solvers.push_back(result_solver(verdict, solver));
   const ComponentCount count = count_components(verdict);
   ResultJson said{{"kind", "concord result"},
                   {"format", kResultFormat},
@@ -283,6 +305,7 @@ std::string format_result(const Model& model, const Verdict& verdict) {
                   {"findings", std::move(findings)},
                   {"notes", verdict.notes},
                   {"failures", verdict.failures},
+                  {"told", told_tables(model, verdict)},
                   {"rows", result_rows(model, verdict)},
                   {"machine", machine_json(model)}};
   add_explanations(said, model, verdict);

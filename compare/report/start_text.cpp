@@ -96,7 +96,7 @@ std::vector<std::size_t> rows_of(const Model& model, const StartReport& start, b
   return rows;
 }
 
-std::string table(const Model& model, const StartReport& start, const std::vector<std::size_t>& rows) {
+TextTable table_of(const Model& model, const StartReport& start, const std::vector<std::size_t>& rows) {
   std::vector<std::vector<std::string>> lines{{"joint", "coordinate", "at the start", "the model says", "moved"}};
   std::vector<bool> right{false, false, true, false, true};
   const std::size_t poses = std::min(start.others.values.size(), kPosesShown);
@@ -115,7 +115,7 @@ std::string table(const Model& model, const StartReport& start, const std::vecto
       line.push_back(is_same ? "" : value_text(coordinate.kind, value));
     }
   }
-  return format_table(lines, right);
+  return {std::move(lines), std::move(right)};
 }
 
 std::string moved_bodies(const Model& model, const StartReport& start) {
@@ -152,12 +152,22 @@ Json numbers(const VecX& value) {
 std::string format_start(const Model& model, const StartReport& start, bool all_rows) {
   if (start.coordinates.empty()) return "";
   const std::vector<std::size_t> rows = rows_of(model, start, all_rows);
-  std::string text = table(model, start, rows);
+  std::string text = format_table(table_of(model, start, rows));
   if (rows.size() < start.coordinates.size()) {
     const auto left_out = static_cast<int>(start.coordinates.size() - rows.size());
     text += fmt::format("and {} more: --all names them\n", plural(left_out, "coordinate", "coordinates"));
   }
   return text + moved_bodies(model, start) + other_poses(start);
+}
+
+StartTable start_table(const Model& model, const StartReport& start) {
+  StartTable told{table_of(model, start, rows_of(model, start, true)), {}};
+  for (std::string line : {moved_bodies(model, start), other_poses(start)}) {
+    if (line.empty()) continue;
+    line.pop_back();  // the line feed
+    told.lines.push_back(std::move(line));
+  }
+  return told;
 }
 
 Json start_json(const Model& model, const StartReport& start) {

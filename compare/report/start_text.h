@@ -2,8 +2,10 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "common/model.h"
+#include "compare/report/text_table.h"
 #include "compare/states/start_report.h"
 
 namespace concord::compare {
@@ -12,6 +14,13 @@ namespace concord::compare {
 /// is noticeable, and its value in up to three other poses that were found, where it is another; then the bodies that
 /// moved from theirs. Without `all_rows` the eight coordinates that moved or differ most, and a count of the rest.
 std::string format_start(const Model& model, const StartReport& start, bool all_rows);
+
+/// The table of all coordinates, and the lines below it.
+struct StartTable {
+  TextTable table;
+  std::vector<std::string> lines;
+};
+StartTable start_table(const Model& model, const StartReport& start);
 
 /// All of it: members `coordinates`, `bodies` and `other_poses`.
 nlohmann::ordered_json start_json(const Model& model, const StartReport& start);

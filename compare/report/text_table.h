@@ -10,6 +10,13 @@ namespace concord::compare {
 /// Bars in a text are escaped; control characters become spaces. The columns named in `right` are aligned right.
 std::string format_table(const std::vector<std::vector<std::string>>& texts, const std::vector<bool>& right);
 
+/// A table as text or on a page: the first line is its head; which columns stand right.
+struct TextTable {
+  std::vector<std::vector<std::string>> lines;
+  std::vector<bool> right;
+};
+inline std::string format_table(const TextTable& table) { return format_table(table.lines, table.right); }
+
 /// A text as a cell of such a table, in one line.
 std::string as_cell(const std::string& text);
 

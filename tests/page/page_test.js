@@ -78,6 +78,19 @@ async function explains(page) {
   assert.strictEqual(await page.locator("#side option:checked").textContent(), "pendulum", "the side that differs is shown");
 }
 
+/** The printed tables: forces of each joint and side, the pose at the start; and what energy drifts. */
+async function tells(page, name) {
+  const heads = await page.locator("#told thead tr").allTextContents();
+  assert(heads.some((head) => head.startsWith("jointonpeak F [N]at t [s]peak T [N m]")), `no table of forces: ${heads}`);
+  assert(heads.some((head) => head.startsWith("jointcoordinateat the start")), `no pose at the start: ${heads}`);
+  assert.match(await text(page, "#solver-table"), /energy drift.* J at t = .* s, allowed .* J/);
+  const told = await page.locator("#told p", { hasText: "wrenches in the axes of body crank" }).count();
+  assert.strictEqual(told, name === "axes" ? 1 : 0, "axes that are not those of the sides are told");
+  if (name !== "agrees") return;
+  assert.strictEqual(await page.locator("#told table").first().locator("tbody tr").count(), 8, "a row for each joint and side");
+  assert.match(heads[1], /^forcealongpeak/);
+}
+
 async function play(page) {
   const at = () => text(page, "#now");
   const before = [await at(), await picture(page)];
@@ -221,6 +234,7 @@ async function tryPage(browser, file) {
   assert(!(name === "refused" && shows), "no empty picture where there is no machine");
   if (shows) {
     await fits(page);
+    await tells(page, name);
     await sortAndFilter(page, "F_x");
     await hover(page);
     await play(page);

@@ -10,6 +10,14 @@
     return make("div", { class: "scroll" }, make("table", {}, make("thead", {}, head), make("tbody", {}, ...lines)));
   }
 
+  /** A table of lines of texts, the head first; `right` says which columns stand right. */
+  concord.printedTable = function ({ lines, right }) {
+    const kind = (text, k) => (right[k] ? "number" : "") + (text === "agree" || text === "differ" ? " " + text : "");
+    const cells = (line, name) => line.map((text, k) => make(name, { class: kind(text, k), text }));
+    return make("div", { class: "scroll" }, make("table", {}, make("thead", {}, make("tr", {}, ...cells(lines[0], "th"))),
+      make("tbody", {}, ...lines.slice(1).map((line) => make("tr", {}, ...cells(line, "td"))))));
+  };
+
   /** The sentence below the findings; nothing where nobody is to blame. */
   concord.blame = function (machine) {
     const told = machine.attribution || {};

@@ -33,7 +33,7 @@
       ["constraints of rank", (s) => `${s.constraints} of rank ${s.rank}`], ["degrees of freedom", (s) => s.degrees_of_freedom],
       ["steps, evaluations", (s) => `${s.steps}, ${s.evaluations}`],
       ["audit", (s) => (s.audit_digits === null ? "-" : `${concord.digits(s.audit_digits)} digits; ${s.audit_worst}`)],
-      ["energy, relative error", (s) => (s.energy_error === null ? "-" : `${s.energy_error.toExponential(1)}, allowed ${machine.run.energy_allowed.toExponential(1)}`)],
+      ["energy drift", (s) => s.energy_drift || "-"],
       ["largest misfit of constraints", (s) => concord.short(s.max_constraint)],
     ];
     const head = concord.element("tr", {}, concord.element("th", { text: "" }), ...machine.solvers.map((s) => concord.element("th", { scope: "col", text: s.name })));
@@ -45,6 +45,14 @@
   function showProvenance({ file, program, run }) {
     const said = file ? [`Model ${file.name} (FNV-1a ${file.fnv1a})`, `judged by ${program}`, `rtol ${run.rtol}`, `until ${run.until} s`, `seed ${run.seed}`] : [];
     find("provenance").textContent = said.join(", ");
+  }
+
+  /** Tables as they are printed: forces of the run, and the pose at the start. */
+  function showTold(machine) {
+    find("told").replaceChildren(...(machine.told || []).flatMap((one) => [
+      concord.element("h2", { text: one.title }), ...one.tables.map((table) => concord.printedTable(table)),
+      ...one.words.map((text) => concord.element("p", { text })),
+    ]));
   }
 
   const scene = new concord.Scene((t) => { showTime(t); plots.mark(t); });
@@ -86,10 +94,11 @@
     machine = data.machines[k];
     showVerdict(machine);
     const isThere = Boolean(machine.machine);
-    for (const id of ["picture", "components", "solvers"]) find(id).hidden = !isThere;
+    for (const id of ["picture", "told", "components", "solvers"]) find(id).hidden = !isThere;
     if (!isThere) return;
     showSolvers(machine);
     showProvenance(machine);
+    showTold(machine);
     plots.load(machine);
     table.load(concord.componentRows(machine));
     scene.load(machine);

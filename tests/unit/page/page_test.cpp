@@ -69,6 +69,12 @@ TEST(Page, SaysTheVerdictAndHoldsTheMachineInMotion) {
   EXPECT_EQ(machine.at("runs").at("samples"), one.verdict.trajectories[0]->samples.size());
   EXPECT_FALSE(machine.at("runs").at("joints").at(0).at(1).at(0).at("a").get<std::string>().empty());
   EXPECT_FALSE(machine.at("rows").empty());
+  const nlohmann::json& forces = machine.at("told").at(0);
+  EXPECT_EQ(forces.at("title"), "Forces");
+  EXPECT_EQ(forces.at("tables").at(0).at("lines").at(0).at(2), "peak F [N]");
+  EXPECT_EQ(forces.at("tables").at(0).at("lines").size(), 3);  // the head, and both sides of the hinge
+  EXPECT_EQ(machine.at("solvers").at(0).at("energy_drift"),
+            drift_text(one.verdict.solvers[0].energy.value(), one.verdict.energy_allowed));
 }
 
 TEST(Page, SaysFromWhatItWasMadeAndWhen) {
