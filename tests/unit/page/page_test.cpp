@@ -98,7 +98,7 @@ TEST(Page, HoldsAWheelsRadiusAndItsRoad) {
   Compared one;
   const auto road = std::make_shared<Road>(Road{"bump", HalfSineBump{2.0, 1.0, 0.25}});
   Tire tire{.wheel = one.model.joints[0].on(Side::child), .road = road, .radius = 0.3};
-  one.model.elements.push_back({"tire", tire, {}});
+  one.model.elements.back().what = tire;  // the verdict is that of a spring in its place
   const nlohmann::json document = nlohmann::json::parse(format_result(one.model, one.verdict));
   const nlohmann::json& said = document.at("machine").at("elements").back();
   EXPECT_EQ(said.at("radius"), 0.3);
