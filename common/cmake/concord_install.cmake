@@ -53,4 +53,7 @@ foreach(page IN LISTS pages)
 endforeach()
 if(TARGET concord)
   install(TARGETS concord RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(FILES ${PROJECT_BINARY_DIR}/compare/program/concord.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+  install(FILES ${PROJECT_SOURCE_DIR}/compare/program/completion.bash
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME concord)
 endif()

@@ -7,6 +7,7 @@
 
 #include "common/reading/model_file.h"
 #include "compare/analyses/report.h"
+#include "compare/report/colours.h"
 #include "compare/report/console.h"
 #include "compare/report/files.h"
 #include "compare/report/result_folder.h"
@@ -79,7 +80,7 @@ int analyse_model(const AnalysisCommand& command, const SolverMakers& makers, co
     AnalysisVerdict result = judge(command, model, makers);
     result.wrenches.trajectories = near.back(std::move(result.wrenches.trajectories));
     if (!near.note().empty()) result.text = fmt::format("note: {}\n{}", near.note(), result.text);
-    console.out << format_analysis(model, result, command.all_rows) << std::flush;
+    console.out << shown(console, format_analysis(model, result, command.all_rows)) << std::flush;
     if (!command.out.empty()) write_results(command.out, model, result);
     if (!command.json.empty()) write_file(command.json, format_analysis_json(model, result));
     return exit_code(result.wrenches.outcome);

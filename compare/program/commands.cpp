@@ -11,7 +11,9 @@
 #include "common/reading/model_file.h"
 #include "compare/equilibrium/started_machine.h"
 #include "compare/page/page.h"
+#include "compare/program/progress_line.h"
 #include "compare/quantities/not_expressible.h"
+#include "compare/report/colours.h"
 #include "compare/report/files.h"
 #include "compare/report/force_table.h"
 #include "compare/report/info.h"
@@ -32,29 +34,6 @@
 namespace concord::compare {
 
 namespace {
-
-/// One line on a terminal that shows how far a run is; wiped when it goes.
-class ProgressLine {
- public:
-  explicit ProgressLine(const Console& console) : console_(console) {}
-  ~ProgressLine() {
-    if (!shown_.empty()) console_.err << "\r\033[K" << std::flush;
-  }
-  ProgressLine(const ProgressLine&) = delete;
-  ProgressLine& operator=(const ProgressLine&) = delete;
-
-  void show(const std::string& text) {
-    if (!console_.progress || text == shown_) return;
-    shown_ = text;
-    console_.err << "\r\033[K" << text << std::flush;
-  }
-
- private:
-  const Console& console_;
-  std::string shown_;
-};
-
-int percent(double done) { return static_cast<int>(100.0 * std::clamp(done, 0.0, 1.0)); }
 
 /// Empty words mean the frame of each side.
 std::optional<int> axes_of(const std::string& words, const Model& model, const std::filesystem::path& file) {
@@ -135,11 +114,8 @@ void solve_both(const CompareCommand& command, const InputFiles& inputs, const S
   options.third = third.get();
   options.makers = &makers;
   {
-    ProgressLine line(console);
-    options.progress = [&](std::string_view check, const std::array<double, 2>& done) {
-      line.show(fmt::format("{}: {}, cartesian {} %, relative {} %", one.model.name, check, percent(done[0]),
-                            percent(done[1])));
-    };
+    ComparisonProgress progress(console, one.model.name, options);
+    options.progress = [&](std::string_view check, const std::array<double, 2>& done) { progress.show(check, done); };
     one.verdict = verify(machine.model(), cartesian, relative, options);
   }
   one.verdict.trajectories = machine.back(std::move(one.verdict.trajectories));
@@ -163,7 +139,7 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
   solve_both(command, inputs, makers, console, one);
   one.verdict.axes = axes;
   const std::string table = format_verdict(one.model, one.verdict, command.all_rows);
-  console.out << table << std::flush;
+  console.out << shown(console, table) << std::flush;
   if (one.verdict.trajectories[0] || one.verdict.trajectories[1]) tell_wall_times(one.verdict, console);
   if (!command.out.empty()) write_results(command.out, one, table, console);
   note_finished(one.model.name);
@@ -198,7 +174,7 @@ std::string format_summary(const std::vector<std::filesystem::path>& files, cons
 template <class Work>
 int guarded_aloud(const Console& console, std::string& said, const Work& work) {
   std::ostringstream heard;
-  const int code = guarded({console.out, heard, console.progress}, work);
+  const int code = guarded({console.out, heard, console.progress, console.colours}, work);
   said = heard.str();
   console.err << said;
   return code;
@@ -258,6 +234,45 @@ void tell(const std::vector<std::string>& notes, const Console& console) {
   for (const std::string& note : notes) console.out << fmt::format("note: {}\n", note);
 }
 
+/// A run by one solver alone.
+struct DoneRun {
+  std::string_view solver;
+  Trajectory trajectory;
+  RunCheck check;
+};
+
+/// Integrates and prints; `given`: the model as it was read.
+DoneRun run_by(Solver& solver, const RunCommand& command, const Model& given, const std::optional<int>& axes,
+               const StartedMachine& machine, const Console& console) {
+  const Model& model = machine.model();
+  RunOptions run = run_options(model, command.options);
+  run.integrator = chosen_integrator(model, solver, command.integrator);
+  DoneRun done{solver.name(), {}, {}};
+  Trajectory& trajectory = done.trajectory;
+  MadeBy made_by;
+  {
+    ProgressLine line(console);
+    const auto show = [&](double t) {
+      line.show(fmt::format("{}: {} {} %", model.name, solver.name(), percent(t / run.until)));
+    };
+    trajectory = integrate_or_switch(solver, run, command.integrator.empty(), show, made_by);
+    run.integrator = made_by.integrator;
+  }
+  console.out << fmt::format("{}: {} by {}, {:g} s, {} samples, rtol {:g}, {} steps, {} evaluations\n\n", model.name,
+                             solver.name(), run.integrator, run.until, trajectory.samples.size(), run.rtol,
+                             trajectory.statistics.steps, trajectory.statistics.evaluations);
+  std::vector<std::string> notes = machine.notes();
+  if (!made_by.note.empty()) notes.push_back(made_by.note);
+  tell(notes, console);
+  const QuantityLayout layout(model);
+  done.check = check_run(layout, solver, trajectory, run);
+  trajectory = machine.back(std::move(trajectory));
+  console.out << format_peaks(given, trajectory, &done.check.unique, axes)
+              << format_run_check(layout, solver.name(), done.check);
+  console.err << fmt::format("{}: wall time {:.2f} s\n", model.name, trajectory.statistics.wall_s);
+  return done;
+}
+
 }  // namespace
 
 int compare_models(const CompareCommand& command, const SolverMakers& makers, const Console& console) {
@@ -276,7 +291,7 @@ int compare_models(const CompareCommand& command, const SolverMakers& makers, co
       return exit_code(cases[k]->verdict.outcome);
     }));
   }
-  if (command.models.size() > 1) console.out << '\n' << format_summary(command.models, codes, cases);
+  if (command.models.size() > 1) console.out << '\n' << shown(console, format_summary(command.models, codes, cases));
   const auto reported = reported_cases(command.models, codes, cases, troubles, names);
   if (!command.json.empty()) {
     codes.push_back(guarded(console, [&] { write_json(command.json, reported); }));
@@ -292,40 +307,31 @@ int compare_models(const CompareCommand& command, const SolverMakers& makers, co
 
 int run_model(const RunCommand& command, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
+    const bool is_one = !command.solver.empty();
+    if (!is_one && !command.integrator.empty()) {
+      throw InputError({"--integrator", 0, 0}, "is one solver's own: name that by --solver cartesian or relative");
+    }
     if (!command.out.empty()) check_target_folder(command.out);
     const Model given = read_model(command.model);
     const std::optional<int> axes = axes_of(command.axes, given, command.model);
     const StartedMachine machine(given, makers);
-    const Model& model = machine.model();
-    Solver& solver = machine.solver(command.solver == "cartesian" ? Who::cartesian : Who::relative);
-    check_results(command.out, result_file_names(model, {solver.name()}), {command.model});
-    RunOptions run = run_options(model, command.options);
-    run.integrator = chosen_integrator(model, solver, command.integrator);
-    Trajectory trajectory;
-    MadeBy made_by;
-    {
-      ProgressLine line(console);
-      const auto show = [&](double t) {
-        line.show(fmt::format("{}: {} {} %", model.name, solver.name(), percent(t / run.until)));
-      };
-      trajectory = integrate_or_switch(solver, run, command.integrator.empty(), show, made_by);
-      run.integrator = made_by.integrator;
+    check_results(command.out, result_file_names(given, {"cartesian", "relative"}), {command.model});
+    std::vector<DoneRun> runs;
+    int code = kAgree;
+    for (const Who who : kBothSolvers) {
+      if (is_one && command.solver != machine.solver(who).name()) continue;
+      if (!runs.empty()) console.out << '\n';
+      const int its_code = guarded(console, [&] {
+        runs.push_back(run_by(machine.solver(who), command, given, axes, machine, console));
+        return static_cast<int>(runs.back().check.holds() ? kAgree : kCouldNotFinish);
+      });
+      code = std::max(code, its_code);
     }
-    console.out << fmt::format("{}: {} by {}, {:g} s, {} samples, rtol {:g}, {} steps, {} evaluations\n\n", model.name,
-                               solver.name(), run.integrator, run.until, trajectory.samples.size(), run.rtol,
-                               trajectory.statistics.steps, trajectory.statistics.evaluations);
-    std::vector<std::string> notes = machine.notes();
-    if (!made_by.note.empty()) notes.push_back(made_by.note);
-    tell(notes, console);
-    const QuantityLayout layout(model);
-    const RunCheck check = check_run(layout, solver, trajectory, run);
-    trajectory = machine.back(std::move(trajectory));
-    console.out << format_peaks(given, trajectory, &check.unique, axes)
-                << format_run_check(layout, solver.name(), check);
-    console.err << fmt::format("{}: wall time {:.2f} s\n", model.name, trajectory.statistics.wall_s);
-    if (!check.holds()) return static_cast<int>(kCouldNotFinish);
-    if (!command.out.empty()) write_runs(command.out, given, {{solver.name(), &trajectory, &check.unique, axes}});
-    return static_cast<int>(kAgree);
+    if (code != kAgree || command.out.empty()) return code;
+    std::vector<NamedRun> named;
+    for (const DoneRun& run : runs) named.push_back({run.solver, &run.trajectory, &run.check.unique, axes});
+    write_runs(command.out, given, named);
+    return code;
   });
 }
 

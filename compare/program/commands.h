@@ -34,8 +34,8 @@ struct CompareCommand {
 
 struct RunCommand {
   std::filesystem::path model;
-  std::string solver = "cartesian";  // or "relative"
-  std::string integrator = {};       // empty: the first one
+  std::string solver = {};      // "cartesian" or "relative"; empty: each of them alone, one after the other
+  std::string integrator = {};  // of the solver that is named; empty: its first one
   VerifyOptions options;
   std::string axes = {};  // as those of a comparison
   std::filesystem::path out;
@@ -47,7 +47,7 @@ struct RunCommand {
 /// they would pass for this one's.
 int compare_models(const CompareCommand& command, const SolverMakers& makers, const Console& console);
 
-/// Integrates one model with one solver and prints the peak reactions.
+/// Integrates one model with one solver, or with each alone, and prints the peak reactions. Writes all or nothing.
 int run_model(const RunCommand& command, const SolverMakers& makers, const Console& console);
 
 /// Prints bodies, joints, degrees of freedom, loops, cut joints, rank and uniqueness as both solvers see them.

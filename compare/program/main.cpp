@@ -89,12 +89,11 @@ void add_compare(compare::CommandLine& line) {
 
 void add_run(compare::CommandLine& line) {
   const auto [app, command] = line.add<compare::RunCommand>(
-      "run", "Integrate a model with one solver and print the peak reactions", compare::run_model);
+      "run", "Integrate a model with one solver, or with each alone, and print the peak reactions", compare::run_model);
   app.add_option("MODEL", command.model, "Model file (TOML)")->required();
-  app.add_option("--solver", command.solver, "Which solver")
-      ->required()
+  app.add_option("--solver", command.solver, "Which solver; default: both, one after the other")
       ->check(CLI::IsMember({"cartesian", "relative"}));
-  app.add_option("--integrator", command.integrator, "Which of the solver's integrators; `concord info` lists them");
+  app.add_option("--integrator", command.integrator, "Which of this solver's integrators; `concord info` lists them");
   compare::add_run_options(app, command.options);
   add_axes(app, command.axes);
   app.add_option("--out", command.out, "Folder for results: NetCDF and CSV");
@@ -230,7 +229,7 @@ int run_program(int argc, char** argv) {
     return program.exit(error) == 0 ? compare::kAgree : compare::kBadInput;
   }
   const compare::SolverMakers makers{cartesian::make_solver, relative::make_solver};
-  return line.run(makers, {std::cout, std::cerr, compare::can_show_progress()});
+  return line.run(makers, {std::cout, std::cerr, compare::can_show_progress(), compare::can_show_colours()});
 }
 
 }  // namespace

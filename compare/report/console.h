@@ -21,12 +21,21 @@ struct Console {
   std::ostream& out;      // tables
   std::ostream& err;      // errors, wall times
   bool progress = false;  // err is a terminal: show how far long runs are
+  bool colours = false;   // out is one, too, and colours are wanted
 };
 
 /// Whether standard error is a terminal on which a line can be written over: not TERM=dumb.
 inline bool can_show_progress() {
   const char* terminal = std::getenv("TERM");
   return isatty(STDERR_FILENO) != 0 && terminal != nullptr && std::string_view(terminal) != "dumb";
+}
+
+/// Whether standard output is a terminal that may show colours: not TERM=dumb, and no NO_COLOR (no-color.org).
+inline bool can_show_colours() {
+  const char* terminal = std::getenv("TERM");
+  const char* refused = std::getenv("NO_COLOR");
+  return isatty(STDOUT_FILENO) != 0 && terminal != nullptr && std::string_view(terminal) != "dumb" &&
+         (refused == nullptr || *refused == '\0');
 }
 
 /// Runs `work` and turns what it throws into a message and an exit code; work that returns none is fine.

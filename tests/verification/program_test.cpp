@@ -503,6 +503,17 @@ TEST_CASE("One program has every command, and says one sentence about it in both
   CHECK(desk.run("fuzz --count nothing").code == 2);
 }
 
+TEST_CASE("Completion knows the commands and their options, and leaves files to the shell", "[program]") {
+  const Desk desk;
+  const fs::path script = fs::path(CONCORD_DATA) / "../compare/program/completion.bash";
+  desk.write("try.bash", "source '" + script.string() + R"('
+ask() { COMP_WORDS=(")" CONCORD_PROGRAM R"(" "$@"); COMP_CWORD=$#; _concord; echo "${COMPREPLY[*]}"; }
+ask stat > told; ask compare --ref >> told; ask run --so >> told; ask compare car >> told
+)");
+  CHECK(desk.shell("bash try.bash") == 0);
+  CHECK(read(desk.work() / "told") == "statics\n--reference\n--solver\n\n");
+}
+
 TEST_CASE("An interrupted fuzz says how many machines it has tried", "[program]") {
   const Desk desk;
   std::string told;

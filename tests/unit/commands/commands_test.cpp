@@ -135,7 +135,7 @@ TEST_F(CommandsTest, ProgressIsShownOnlyWhenAskedForAndWipedAtTheEnd) {
   compare(command);
   EXPECT_THAT(err_.str(), ::testing::Not(HasSubstr("\r")));
   compare(command, true);
-  EXPECT_THAT(err_.str(), HasSubstr("\r\033[Kpendulum: same run, cartesian "));
+  EXPECT_THAT(err_.str(), HasSubstr("\r\033[Kpendulum: 2 of 4, same run, cartesian "));
   EXPECT_THAT(err_.str(), HasSubstr("\r\033[Kpendulum: wall time"));
 }
 
@@ -148,6 +148,21 @@ TEST_F(CommandsTest, RunWritesOneSolversResults) {
   EXPECT_THAT(out_.str(), HasSubstr("pendulum: relative by rk4, 0.2 s, 201 samples, rtol 1e-11"));
   EXPECT_TRUE(fs::exists(folder_ / "results" / "pendulum.relative.nc"));
   EXPECT_FALSE(fs::exists(folder_ / "results" / "pendulum.cartesian.nc"));
+}
+
+TEST_F(CommandsTest, RunWithoutASolverIsByEachAlone) {
+  RunCommand command;
+  command.model = file("pendulum.toml");
+  command.out = folder_ / "results";
+  EXPECT_EQ(run_model(command, makers_, {out_, err_}), kAgree);
+  EXPECT_THAT(out_.str(), HasSubstr("pendulum: cartesian by rk4, 0.2 s, 201 samples, rtol 1e-11"));
+  EXPECT_THAT(out_.str(), HasSubstr("\n\npendulum: relative by rk4, 0.2 s, 201 samples, rtol 1e-11"));
+  EXPECT_TRUE(fs::exists(folder_ / "results" / "pendulum.cartesian.nc"));
+  EXPECT_TRUE(fs::exists(folder_ / "results" / "pendulum.relative.nc"));
+  command.integrator = "rk4";
+  EXPECT_EQ(run_model(command, makers_, {out_, err_}), kBadInput);
+  EXPECT_THAT(err_.str(),
+              HasSubstr("--integrator: error: is one solver's own: name that by --solver cartesian or relative"));
 }
 
 TEST_F(CommandsTest, AxesThatNoBodyHasAreBadInputBeforeAnyRun) {
@@ -216,8 +231,14 @@ TEST_F(CommandsTest, ARunThatStopsIsExitThree) {
   makers_.cartesian = [](const Model& model) { return make(model, "cartesian", true); };
   RunCommand command;
   command.model = file("pendulum.toml");
+  command.solver = "cartesian";
   EXPECT_EQ(run_model(command, makers_, {out_, err_}), kCouldNotFinish);
   EXPECT_EQ(err_.str(), "cartesian: step size too small at t = 0.1 s\n");
+  command.solver = "";
+  command.out = folder_ / "results";
+  EXPECT_EQ(run_model(command, makers_, {out_, err_}), kCouldNotFinish);
+  EXPECT_THAT(out_.str(), HasSubstr("pendulum: relative by rk4"));
+  EXPECT_FALSE(fs::exists(command.out)) << "all or nothing";
 }
 
 TEST_F(CommandsTest, InfoAsksBothSolvers) {
