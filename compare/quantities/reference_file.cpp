@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -87,6 +88,15 @@ double rounding_of(const std::string& text) {
   return 0.5 * std::pow(10.0, power - decimals);
 }
 
+/// Digits of a number as it is written, without leading zeros: 5 of "-0.10200", 3 of "1.05e-7", none of "0.0".
+int digits_of(const std::string& text) {
+  const std::string mantissa = text.substr(0, text.find_first_of("eE"));
+  const std::size_t first = mantissa.find_first_of("123456789");
+  if (first == std::string::npos) return 0;
+  return static_cast<int>(std::count_if(mantissa.begin() + static_cast<std::ptrdiff_t>(first), mantissa.end(),
+                                        [](unsigned char c) { return std::isdigit(c) != 0; }));
+}
+
 /// What of a header is no separator of ours: empty, or a hint at it.
 std::string hint_at_separator(const std::string& header) {
   if (header.find(';') != std::string::npos) return ": fields are separated by commas, not by semicolons";
@@ -115,12 +125,15 @@ struct StatedError {
   int line = 0;
 };
 
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  // nothing is said there
+
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // spreadsheets write it
 
 class ReferenceReader {
  public:
   ReferenceReader(const std::filesystem::path& file, const Model& model) : file_(file), known_(known_columns(model)) {
     reference_.file = file.string();
+    for (const Joint& joint : model.joints) joints_.push_back(joint.name);
   }
 
   Reference read() {
@@ -137,6 +150,8 @@ class ReferenceReader {
         read_comment(trimmed(text.substr(1)));
       } else if (header_line_ == 0) {
         read_header(text);
+      } else if (is_long_) {
+        read_long_row(fields_of(text));
       } else {
         read_row(fields_of(text));
       }
@@ -159,6 +174,9 @@ class ReferenceReader {
     const bool says_error = equals != std::string::npos && text.size() > kError.size() &&
                             std::equal(kError.begin(), kError.end(), text.begin(),
                                        [](char a, char b) { return a == std::tolower(static_cast<unsigned char>(b)); });
+    if (!says_error && equals != std::string::npos) {
+      read_convention(trimmed(text.substr(0, equals)), trimmed(text.substr(equals + 1)));
+    }
     if (!says_error) return;
     const std::string column = trimmed(text.substr(kError.size(), equals - kError.size()));
     const std::string said = trimmed(text.substr(equals + 1));
@@ -182,15 +200,33 @@ class ReferenceReader {
                        column.empty() ? "all columns" : fmt::format("'{}'", column), found->second.line));
   }
 
+  /// "side", "parent" of "# side = parent", or "side D", "parent"; any other comment says nothing.
+  void read_convention(const std::string& said, const std::string& value) {
+    const std::string word = said.substr(0, said.find(' '));
+    const std::string joint = trimmed(said.substr(word.size()));
+    if (word != "side" && word != "axes" && word != "driver" && word != "sign") return;
+    if (!joint.empty() && std::find(joints_.begin(), joints_.end(), joint) == joints_.end()) {
+      refuse(fmt::format("a convention is stated for '{}', which is no joint", joint));
+    }
+    Convention& convention = reference_.conventions[joint];
+    if (!say(word, value, convention)) {
+      refuse(fmt::format("'{} = {}': expected {}", said, value, words_of_conventions()));
+    }
+    if (!conventions_.insert(said).second) refuse(fmt::format("'{}' is stated already", said));
+  }
+
   void read_header(const std::string& text) {
     const std::vector<CsvField> names = fields_of(text);
     header_line_ = line_;
+    const std::vector<std::string> expected{"t", "of", "component", "value"};
+    is_long_ = std::equal(names.begin(), names.end(), expected.begin(), expected.end(),
+                          [](const CsvField& name, const std::string& other) { return name.text == other; });
+    if (is_long_) return;
     if (names.front().text != "t [s]") {
       refuse(fmt::format("the first column is '{}', expected 't [s]'{}", names.front().text, hint_at_separator(text)));
     }
     for (std::size_t k = 1; k < names.size(); ++k) {
       reference_.columns.push_back(column_named(names[k]));
-      columns_.push_back(names[k].column);
       const std::string& name = reference_.columns.back().column.name;
       const auto is_it = [&](const ReferenceColumn& column) { return column.column.name == name; };
       if (std::count_if(reference_.columns.begin(), reference_.columns.end(), is_it) > 1) {
@@ -225,30 +261,69 @@ class ReferenceReader {
     return column;
   }
 
+  /// The number in a field: NaN where it says nothing.
+  [[nodiscard]] double value_in(const CsvField& field) const {
+    if (field.text == "nan") return kNothing;
+    return said_in(field);
+  }
+
+  [[nodiscard]] double said_in(const CsvField& field) const {
+    const auto value = number_in(field.text);
+    if (!value)
+      refuse(fmt::format("'{}' is not a number of a size up to {:g}", field.text, kLargestSize), field.column);
+    return *value;
+  }
+
+  /// A new time, and nothing said there yet.
+  void add_time(const CsvField& field) {
+    const double t = said_in(field);
+    if (!reference_.times.empty() && t <= reference_.times.back()) {
+      refuse(fmt::format("t = {:g} s does not follow {:g} s: times must rise", t, reference_.times.back()));
+    }
+    reference_.times.push_back(t);
+    reference_.time_roundings.push_back(rounding_of(field.text));
+    reference_.lines.push_back(line_);
+    for (ReferenceColumn& column : reference_.columns) column.values.push_back(kNothing);
+  }
+
+  static void enter(const CsvField& field, double value, ReferenceColumn& column) {
+    column.values.back() = value;
+    column.digits = std::max(column.digits, digits_of(field.text));
+  }
+
+  /// The column of "D", "F_x" in the long format: D.F_x if there is one, else, on the child's side, D.child.F_x.
+  ReferenceColumn& column_of(const CsvField& of, const CsvField& component) {
+    std::string name = fmt::format("{}.{}", of.text, component.text);
+    const std::string on_child = fmt::format("{}.child.{}", of.text, component.text);
+    if (!known_.contains(name) && known_.contains(on_child)) name = on_child;
+    const auto is_it = [&](const ReferenceColumn& column) { return column.column.name == name; };
+    const auto found = std::find_if(reference_.columns.begin(), reference_.columns.end(), is_it);
+    if (found != reference_.columns.end()) return *found;
+    const auto known = known_.find(name);
+    const std::string unit = known == known_.end() ? "" : fmt::format(" [{}]", known->second.unit);
+    reference_.columns.push_back(column_named({name + unit, of.column}));
+    reference_.columns.back().values.assign(reference_.times.size(), kNothing);
+    return reference_.columns.back();
+  }
+
+  /// "0.05,D,F_x,12.1": lines of one time stand together.
+  void read_long_row(const std::vector<CsvField>& fields) {
+    if (fields.size() != 4) refuse(fmt::format("{} fields, expected 4: t,of,component,value", fields.size()));
+    if (reference_.times.empty() || said_in(fields[0]) != reference_.times.back()) add_time(fields[0]);
+    ReferenceColumn& column = column_of(fields[1], fields[2]);
+    if (!std::isnan(column.values.back())) {
+      refuse(fmt::format("column '{}' stands there twice at t = {:g} s", column.column.name, reference_.times.back()),
+             fields[1].column);
+    }
+    enter(fields[3], value_in(fields[3]), column);
+  }
+
   void read_row(const std::vector<CsvField>& fields) {
     if (fields.size() != reference_.columns.size() + 1) {
       refuse(fmt::format("{} numbers, the header has {}", fields.size(), reference_.columns.size() + 1));
     }
-    std::vector<double> numbers;
-    for (const CsvField& field : fields) {
-      if (field.text == "nan" && !numbers.empty()) {  // nothing is said of this component here
-        numbers.push_back(std::numeric_limits<double>::quiet_NaN());
-        continue;
-      }
-      const auto value = number_in(field.text);
-      if (!value) {
-        refuse(fmt::format("'{}' is not a number of a size up to {:g}", field.text, kLargestSize), field.column);
-      }
-      numbers.push_back(*value);
-    }
-    if (!reference_.times.empty() && numbers.front() <= reference_.times.back()) {
-      refuse(
-          fmt::format("t = {:g} s does not follow {:g} s: times must rise", numbers.front(), reference_.times.back()));
-    }
-    reference_.times.push_back(numbers.front());
-    reference_.time_roundings.push_back(rounding_of(fields.front().text));
-    reference_.lines.push_back(line_);
-    for (std::size_t k = 1; k < numbers.size(); ++k) reference_.columns[k - 1].values.push_back(numbers[k]);
+    add_time(fields.front());
+    for (std::size_t k = 1; k < fields.size(); ++k) enter(fields[k], value_in(fields[k]), reference_.columns[k - 1]);
   }
 
   void state_errors() {
@@ -257,15 +332,11 @@ class ReferenceReader {
       if (name.empty() || std::any_of(reference_.columns.begin(), reference_.columns.end(), is_it)) continue;
       refuse_at(error.line, 1, fmt::format("an error is stated for '{}', which is no column", name));
     }
-    for (std::size_t k = 0; k < reference_.columns.size(); ++k) {
-      ReferenceColumn& column = reference_.columns[k];
+    for (ReferenceColumn& column : reference_.columns) {
       auto found = errors_.find(column.column.name);
       if (found == errors_.end()) found = errors_.find("");
-      if (found == errors_.end()) {
-        refuse_at(header_line_, columns_[k],
-                  fmt::format("'{}' has no stated error: say how far the source may be off, such as `# error = 1 %`",
-                              column.column.name));
-      }
+      column.is_stated = found != errors_.end();
+      if (!column.is_stated) continue;  // it follows from the digits
       const StatedError& stated = found->second;
       if (!stated.is_relative && stated.unit != column.column.unit) {
         refuse_at(stated.line, 1,
@@ -281,7 +352,9 @@ class ReferenceReader {
   std::map<std::string, Column> known_;
   std::map<std::string, StatedError> errors_;
   Reference reference_;
-  std::vector<int> columns_;  // where each begins in the header
+  std::vector<std::string> joints_;
+  std::set<std::string> conventions_;  // that are stated: "side", "side D"
+  bool is_long_ = false;               // one line a number
   int header_line_ = 0;
   int line_ = 0;
 };

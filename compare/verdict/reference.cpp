@@ -16,15 +16,16 @@
 #include "common/error.h"
 #include "compare/quantities/columns.h"
 #include "compare/resolution/unique_part.h"
+#include "compare/verdict/reference_convention.h"
+#include "compare/verdict/reference_errors.h"
 #include "compare/verdict/reference_hints.h"
 
 namespace concord::compare {
 
 namespace {
 
-/// A time stands on the output grid if it is nearer to it than this part of an interval, or than half of the last digit
-/// that it is written with.
-constexpr double kOnGrid = 1e-6;
+/// A time stands on the output grid, too, if it is nearer to it than half of the last digit that it is written with, up
+/// to this part of an interval.
 constexpr double kOnGridAsWritten = 0.05;
 
 /// Output times of a run, by their number, that are the reference's times.
@@ -46,104 +47,6 @@ std::vector<std::size_t> samples_at(const Reference& reference, double until, st
     samples.push_back(static_cast<std::size_t>(nearest));
   }
   return samples;
-}
-
-/// Scale of a component: its own row's, or, where the joint cannot carry it, the largest of its kind on that joint.
-double scale_of(const Verdict& verdict, const Quantity& quantity) {
-  double scale = 0.0;
-  for (const auto* rows : {&verdict.rows, &verdict.others}) {
-    for (const QuantityRow& row : *rows) {
-      if (row.quantity == quantity) return row.scale;
-      const bool same_side = row.quantity.kind == quantity.kind && row.quantity.owner == quantity.owner &&
-                             row.quantity.side == quantity.side;
-      if (same_side && row.quantity.component / 3 == quantity.component / 3) scale = std::max(scale, row.scale);
-    }
-  }
-  return scale;
-}
-
-/// How many numbers belong together with a column's, as the components of one vector.
-int size_of_vector(Field field) {
-  switch (field) {
-    case Field::euler_parameter:
-      return 4;
-    case Field::modal_coordinate:
-    case Field::modal_velocity:
-    case Field::modal_acceleration:
-    case Field::joint_coordinate:
-    case Field::tau:
-    case Field::share:
-    case Field::coupling:
-      return 1;
-    default:
-      return 3;
-  }
-}
-
-/// Largest length of the vector that the column is a component of, over the run up to `last` [s]; of a number alone its
-/// largest size.
-double peak_of(const Column& column, const Trajectory& run, double last) {
-  const int size = size_of_vector(column.field);
-  Column part = column;
-  double peak = 0.0;
-  for (const Sample& sample : run.samples) {
-    if (sample.state.t > last) break;
-    double square = 0.0;
-    for (int c = 0; c < size; ++c) {
-      part.component = column.component / size * size + c;
-      square += std::pow(value_of(part, sample), 2);
-    }
-    peak = std::max(peak, std::sqrt(square));
-  }
-  return peak;
-}
-
-/// Whether two columns are components of one vector, or one number.
-bool are_of_one_vector(const Column& one, const Column& other) {
-  const int size = size_of_vector(one.field);
-  return one.field == other.field && one.is_own == other.is_own && one.owner == other.owner && one.side == other.side &&
-         one.component / size == other.component / size;
-}
-
-/// The same as the reference says it: largest length of the components that it has of the column's vector.
-double peak_of(const Column& column, const Reference& reference) {
-  double peak = 0.0;
-  for (std::size_t k = 0; k < reference.times.size(); ++k) {
-    double square = 0.0;
-    for (const ReferenceColumn& other : reference.columns) {
-      if (are_of_one_vector(other.column, column) && !std::isnan(other.values[k]))
-        square += std::pow(other.values[k], 2);
-    }
-    peak = std::max(peak, std::sqrt(square));
-  }
-  return peak;
-}
-
-/// A column without a sign of its own: one of the Euler parameters of a body or of a ball.
-bool has_free_sign(const Column& column) {
-  return column.field == Field::euler_parameter || (column.field == Field::joint_coordinate && column.unit == "1");
-}
-
-/// The last time up to which two integrations of the motion can agree [s].
-double last_judged(const Verdict& verdict) {
-  const double until = verdict.trajectories[0]->samples.back().state.t;
-  return verdict.same_run.horizon.value_or(until) +
-         kOnGrid * until / static_cast<double>(verdict.trajectories[0]->samples.size());
-}
-
-/// What a stated error in percent is a part of: the peak of the column's vector in the run or in the reference,
-/// whichever is larger. One that is next to nothing beside what the table takes for scale, or of what moves beside the
-/// machine's `largest` number of its unit, is measured against that: the place of a body whose origin is a hinge on the
-/// ground.
-double measure_of_percent(const Column& column, const Verdict& verdict, const Reference& reference, double largest) {
-  constexpr double kNextToNothing = 1e-4;
-  if (has_free_sign(column)) return 1.0;
-  const auto quantity = quantity_of(column);
-  const double peak =
-      std::max(peak_of(column, *verdict.trajectories[0], last_judged(verdict)), peak_of(column, reference));
-  if (quantity) return std::max(peak, kNextToNothing * scale_of(verdict, *quantity));
-  const bool moves = !may_be_open(column);
-  return moves ? std::max(peak, kNextToNothing * largest) : peak;
 }
 
 /// What a reference says of the owner of a column, and the runs, at those of its times at which the column has a number
@@ -180,7 +83,8 @@ ChosenTimes choose_times(const Reference& reference, const RunsAtTimes& runs, st
     const ReferenceColumn& one = reference.columns[k];
     if (one.column.field != asked.column.field || one.column.owner != asked.column.owner) continue;
     if (k == column) chosen.column = chosen.reference.columns.size();
-    chosen.reference.columns.push_back({one.column, of_kept(one.values), one.error, one.is_relative});
+    chosen.reference.columns.push_back(one);
+    chosen.reference.columns.back().values = of_kept(one.values);
   }
   return chosen;
 }
@@ -266,8 +170,6 @@ void measure_row(const RunsAtTimes& runs, const Reference& reference, const Refe
   row.agrees = worst <= row.allowed;
 }
 
-bool is_off(const ReferenceRow& row) { return row.is_judged && !row.agrees; }
-
 /// Solvers and audit agree, and the reference does not: what all three are told is wrong, or the reference.
 void blame_statement(Verdict& verdict) {
   const auto excess = [](const ReferenceRow& row) {
@@ -330,6 +232,16 @@ void keep_for_pictures(const Reference& reference, const ReferenceColumn& column
   }
 }
 
+void note_unstated_errors(const Reference& reference, Verdict& verdict) {
+  const auto unstated = std::count_if(reference.columns.begin(), reference.columns.end(),
+                                      [](const ReferenceColumn& column) { return !column.is_stated; });
+  if (unstated == 0) return;
+  verdict.notes.push_back(fmt::format(
+      "reference: {} of {} columns state no error: half of the last digit that is written is taken, at most "
+      "0.1 % of the peak in the reference; state another by a line such as `# error = 1 %`",
+      unstated, reference.columns.size()));
+}
+
 void judge_column(const Model& model, const ChosenTimes& times, const ReferenceColumn& column, double largest,
                   ReferenceRow& row) {
   const Reference& reference = times.reference;
@@ -338,9 +250,7 @@ void judge_column(const Model& model, const ChosenTimes& times, const ReferenceC
   row.component = describe_component(column.column);
   row.unit = column.column.unit;
   row.is_judged = times.is_judged;
-  const double measure = column.is_relative ? measure_of_percent(column.column, runs.verdict, reference, largest) : 1.0;
-  const double stated = column.error * measure;
-  row.allowed = std::max(stated, left_open(runs, column.column, largest));
+  row.allowed = std::max(error_of(column, runs.verdict, reference, largest), left_open(runs, column.column, largest));
   measure_row(runs, reference, column, row);
   if (is_off(row)) row.hint = what_would_fit(model, runs, reference, column, row.allowed);
 }
@@ -355,10 +265,12 @@ void judge_reference(const Model& model, const Reference& whole, Verdict& verdic
   verdict.reference_file = std::filesystem::path(whole.file).filename().string();
   if (!verdict.trajectories[0] || !verdict.trajectories[1]) return;  // a failure already
   const Trajectory& run = *verdict.trajectories[0];
-  Reference reference = whole;
-  RunsAtTimes runs{verdict, samples_at(reference, run.samples.back().state.t, run.samples.size() - 1)};
-  cut_at_horizon(run, reference, runs.samples, verdict);
+  Reference as_named = whole;
+  RunsAtTimes runs{verdict, samples_at(as_named, run.samples.back().state.t, run.samples.size() - 1)};
+  cut_at_horizon(run, as_named, runs.samples, verdict);
+  const Reference reference = in_stated_convention(model, as_named);
   note_rounded_times(reference, run, runs.samples, verdict);
+  note_unstated_errors(reference, verdict);
   std::map<std::string, double> largest = largest_numbers(model, run);
   const std::optional<Trajectory> known =
       verdict.unique ? unique_part(model, run, *verdict.unique) : std::optional<Trajectory>();
@@ -368,8 +280,11 @@ void judge_reference(const Model& model, const Reference& whole, Verdict& verdic
     ReferenceRow row;
     keep_for_pictures(reference, reference.columns[k], row);
     judge_column(model, times, column, largest[column.column.unit], row);
-    if (is_off(row)) add_finding(row, verdict);
     verdict.references.push_back(std::move(row));
+  }
+  const bool is_convention = find_conventions(model, runs, as_named, known ? *known : run, verdict);
+  for (const ReferenceRow& row : verdict.references) {
+    if (is_off(row)) add_finding(row, verdict);
   }
   if (verdict.outcome != Outcome::agree) return;
   if (std::none_of(verdict.references.begin(), verdict.references.end(),
@@ -379,7 +294,7 @@ void judge_reference(const Model& model, const Reference& whole, Verdict& verdic
         "reference: nothing of it is judged: no component is unique, or no time within reach");
   } else if (std::any_of(verdict.references.begin(), verdict.references.end(), is_off)) {
     verdict.outcome = Outcome::differ;
-    blame_statement(verdict);
+    if (!is_convention) blame_statement(verdict);
   }
 }
 
