@@ -151,11 +151,12 @@ class ReferenceReader {
       } else if (header_line_ == 0) {
         read_header(text);
       } else if (is_long_) {
-        read_long_row(fields_of(text));
+        keep_long_row(fields_of(text));
       } else {
         read_row(fields_of(text));
       }
     }
+    read_long_rows();
     if (reference_.times.empty()) refuse("holds no row: expected a header and at least one line of numbers");
     state_errors();
     return std::move(reference_);
@@ -306,9 +307,28 @@ class ReferenceReader {
     return reference_.columns.back();
   }
 
-  /// "0.05,D,F_x,12.1": lines of one time stand together.
-  void read_long_row(const std::vector<CsvField>& fields) {
+  struct LongRow {
+    double t;
+    int line;
+    std::vector<CsvField> fields;
+  };
+
+  void keep_long_row(const std::vector<CsvField>& fields) {
     if (fields.size() != 4) refuse(fmt::format("{} fields, expected 4: t,of,component,value", fields.size()));
+    long_rows_.push_back({said_in(fields[0]), line_, fields});
+  }
+
+  /// Lines may stand in any order: by joint, by component, or by time.
+  void read_long_rows() {
+    std::stable_sort(long_rows_.begin(), long_rows_.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
+    for (const LongRow& row : long_rows_) {
+      line_ = row.line;
+      read_long_row(row.fields);
+    }
+  }
+
+  /// "0.05,D,F_x,12.1", in the order of time.
+  void read_long_row(const std::vector<CsvField>& fields) {
     if (reference_.times.empty() || said_in(fields[0]) != reference_.times.back()) add_time(fields[0]);
     ReferenceColumn& column = column_of(fields[1], fields[2]);
     if (!std::isnan(column.values.back())) {
@@ -354,7 +374,8 @@ class ReferenceReader {
   Reference reference_;
   std::vector<std::string> joints_;
   std::set<std::string> conventions_;  // that are stated: "side", "side D"
-  bool is_long_ = false;               // one line a number
+  std::vector<LongRow> long_rows_;
+  bool is_long_ = false;  // one line a number
   int header_line_ = 0;
   int line_ = 0;
 };

@@ -42,7 +42,7 @@ struct Reference {
 ///
 /// Comment lines such as `# side = parent` and, of one joint, `# axes D = world` say the convention of joints'
 /// reactions (Convention). The numbers may stand
-/// in the long format, too, one line a number, of which the lines of one time stand together:
+/// in the long format, too, one line a number:
 ///
 ///     t,of,component,value
 ///     0,D,child.F_x,12.1
