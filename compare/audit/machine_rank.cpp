@@ -188,9 +188,11 @@ Mat6X MachineConstraints::velocities_of(std::size_t k, const State& state) const
 
 /// Multipliers that do as much as a force of unit size.
 void MachineConstraints::normalize() {
+  sizes_ = VecX::Ones(forces_.cols());
   for (Eigen::Index c = 0; c < forces_.cols(); ++c) {
     const double size = forces_.col(c).norm();
     if (!(size > 0.0)) continue;
+    sizes_(c) = size;
     forces_.col(c) /= size;
     for (AtJoint& at : joints_) {
       at.reaction.col(c) /= size;
@@ -215,9 +217,9 @@ void MachineConstraints::decompose() {
   report_.largest_dropped = rank < sigma.size() ? sigma(rank) : 0.0;
   is_sure_ = is_sure_ && !report_.undecided && forces_.allFinite();
   permitted_ = all.U.rightCols(forces_.rows() - rank);
-  const MatX self_stresses = n > 0 ? MatX(all.V.rightCols(n - rank)) : MatX::Zero(0, 0);
-  mark_unique(self_stresses);
-  name_self_stressed(self_stresses);
+  self_stresses_ = n > 0 ? MatX(all.V.rightCols(n - rank)) : MatX::Zero(0, 0);
+  mark_unique(self_stresses_);
+  name_self_stressed(self_stresses_);
 }
 
 /// Wrenches on a side of a joint in that side's frame, forces times the length.

@@ -38,6 +38,11 @@ class MachineConstraints {
   /// `velocities`: columns as Solver::tangent() gives them.
   [[nodiscard]] SpanOfVelocities hold_against(const MatX& velocities) const;
 
+  /// What independent self-stresses exert, one each, on both sides of the joints, on their speeds and by couplings
+  /// [N, N m]: forces that leave every body of the machine as it is. Every reaction that fits a motion differs from
+  /// every other by a sum of multiples of them. None where the machine has none, or is_sure() is false.
+  [[nodiscard]] std::vector<Evaluation> self_stresses(const State& state) const;
+
  private:
   /// What the multipliers do at one joint, a column for each, forces times the machine's length; on the child at P_i,
   /// in the parent's joint frame.
@@ -77,7 +82,9 @@ class MachineConstraints {
   std::vector<AtJoint> joints_;
   std::vector<std::string> owners_;  // of each column
   std::vector<Eigen::Index> couplings_;
-  MatX forces_;     // on velocities, a column of unit size for each multiplier
+  MatX forces_;  // on velocities, a column of unit size for each multiplier
+  VecX sizes_;   // that the columns had
+  MatX self_stresses_;
   MatX permitted_;  // velocities, orthonormal columns
   bool is_sure_ = true;
   RankReport report_;

@@ -25,9 +25,10 @@ Json reference_row(const ReferenceRow& row) {
           {"stated", row.stated},
           {"line", row.line},
           {"hint", row.hint},
-          {"verdict", !row.is_judged ? "not_judged"
-                      : row.agrees   ? "agree"
-                                     : "differ"}};
+          {"word", to_string(row.word)},
+          {"verdict", row.word == ReferenceWord::not_judged ? "not_judged"
+                      : is_off(row)                         ? "differ"
+                                                            : "agree"}};
 }
 
 Json third_row(const Model& model, const ThirdRow& row, const std::string& third) {

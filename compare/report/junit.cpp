@@ -80,11 +80,12 @@ TestCase of_row(const Model& model, const QuantityRow& row) {
 
 TestCase of_reference(const ReferenceRow& row) {
   TestCase test{fmt::format("{}, {}, against the reference", row.of, row.component), TestCase::Result::passed, ""};
-  if (row.agrees) return test;
+  if (!is_off(row)) return test;
   test.result = TestCase::Result::failed;
-  test.message = fmt::format(
-      "off by {:.3g} (cartesian) and {:.3g} (relative), stated error {:.3g}, t = {:.6g} s (line {}){}{}",
-      row.differences[0], row.differences[1], row.allowed, row.t, row.line, row.hint.empty() ? "" : "; ", row.hint);
+  test.message =
+      fmt::format("{}: off by {:.3g} (cartesian) and {:.3g} (relative), error {:.3g}, t = {:.6g} s (line {}){}{}",
+                  to_string(row.word), row.differences[0], row.differences[1], row.allowed, row.t, row.line,
+                  row.hint.empty() ? "" : "; ", row.hint);
   return test;
 }
 
@@ -130,7 +131,7 @@ std::vector<TestCase> tests_of(const ReportedCase& one) {
     }
   }
   for (const ReferenceRow& row : verdict.references) {
-    if (row.is_judged) tests.push_back(of_reference(row));
+    if (row.word != ReferenceWord::not_judged) tests.push_back(of_reference(row));
   }
   for (const SolverSummary& solver : verdict.solvers) {
     if (solver.audit_digits) {

@@ -216,15 +216,12 @@ std::string audit_text(const Verdict& verdict) {
 
 std::string reference_table(const Verdict& verdict) {
   if (verdict.references.empty()) return "";
-  std::vector<std::vector<std::string>> lines{{"against " + verdict.reference_file, "component", "peak", "stated error",
-                                               "cartesian off", "relative off", "verdict"}};
+  std::vector<std::vector<std::string>> lines{
+      {"against " + verdict.reference_file, "component", "peak", "error", "cartesian off", "relative off", "verdict"}};
   for (const ReferenceRow& row : verdict.references) {
     lines.push_back({row.of, row.component, fmt::format("{:.4g}{}", row.peak, row.unit == "1" ? "" : " " + row.unit),
                      fmt::format("{:.3g}", row.allowed), fmt::format("{:.3g}", row.differences[0]),
-                     fmt::format("{:.3g}", row.differences[1]),
-                     !row.is_judged ? "not judged"
-                     : row.agrees   ? "agree"
-                                    : "differ"});
+                     fmt::format("{:.3g}", row.differences[1]), to_string(row.word)});
   }
   return '\n' + format_table(lines, {false, false, true, true, true, true, false}) + '\n';
 }
@@ -279,9 +276,8 @@ std::string trouble(const Verdict& verdict, bool all_rows) {
 
 bool agrees_with_reference(const Verdict& verdict) {
   const auto& rows = verdict.references;
-  const auto is_judged = [](const ReferenceRow& row) { return row.is_judged; };
-  return std::any_of(rows.begin(), rows.end(), is_judged) &&
-         std::all_of(rows.begin(), rows.end(), [](const ReferenceRow& row) { return row.agrees || !row.is_judged; });
+  const auto is_equal = [](const ReferenceRow& row) { return row.word == ReferenceWord::equal; };
+  return std::any_of(rows.begin(), rows.end(), is_equal) && std::none_of(rows.begin(), rows.end(), is_off);
 }
 
 std::string format_verdict(const Model& model, const Verdict& verdict, bool all_rows) {

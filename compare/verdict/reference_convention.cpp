@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "compare/quantities/convention.h"
@@ -29,84 +30,81 @@ Convention stated_of(const Model& model, const Column& column, const Conventions
   return own;
 }
 
-using Indices = std::vector<std::size_t>;
+/// The columns that have conventions, of all joints or of one.
+Reference with_conventions(const Reference& whole, std::optional<int> joint) {
+  Reference part = whole;
+  std::erase_if(part.columns, [&](const ReferenceColumn& one) {
+    return !has_convention(one.column) || (joint && one.column.owner != *joint);
+  });
+  return part;
+}
 
-/// The search among one set of columns, of all joints or of one.
-struct Search {
-  const RunsAtTimes& runs;
-  const Reference& as_named;
-  const Trajectory& known;
+std::vector<ReferenceRow> rows_in(const Standard& standard, Reference as_named, const Conventions& conventions) {
+  as_named.conventions = conventions;
+  return judge_rows(standard, in_stated_convention(standard.model, as_named)).rows;
+}
 
-  [[nodiscard]] bool fits(std::size_t column, const Convention& convention) const {
-    const ReferenceColumn& said = as_named.columns[column];
-    const Column other = in_convention(said.column, convention);
-    const double sign = sign_in(said.column, convention);
-    const double allowed = runs.verdict.references[column].allowed;
-    for (std::size_t k = 0; k < runs.samples.size(); ++k) {
-      if (std::isnan(said.values[k]) || std::isnan(value_of(other, known.samples[runs.samples[k]]))) continue;
-      for (std::size_t who = 0; who < 2; ++who) {
-        if (!(std::abs(value_of(other, runs.sample(who, k)) - sign * said.values[k]) <= allowed)) return false;
-      }
-    }
-    return true;
-  }
+/// A convention without the words that the names of the columns say already.
+Convention in_few_words(const Reference& as_named, const Convention& whole) {
+  Convention few = whole;
+  const auto drop = [&](auto Convention::*word) {
+    Convention less = few;
+    less.*word = {};
+    const bool is_same =
+        std::all_of(as_named.columns.begin(), as_named.columns.end(), [&](const ReferenceColumn& said) {
+          const Column one = in_convention(said.column, less);
+          const Column other = in_convention(said.column, whole);
+          return one.field == other.field && one.side == other.side &&
+                 sign_in(said.column, less) == sign_in(said.column, whole);
+        });
+    if (is_same) few = less;
+  };
+  drop(&Convention::side);
+  drop(&Convention::in_world_axes);
+  drop(&Convention::with_driver);
+  drop(&Convention::opposite);
+  return few;
+}
 
-  [[nodiscard]] bool fit(const Indices& columns, const Convention& convention) const {
-    return std::all_of(columns.begin(), columns.end(), [&](std::size_t k) { return fits(k, convention); });
-  }
-
-  /// A convention without the words that the names of the columns say already.
-  [[nodiscard]] Convention in_few_words(const Indices& columns, const Convention& whole) const {
-    Convention few = whole;
-    const auto drop = [&](auto Convention::*word) {
-      Convention less = few;
-      less.*word = {};
-      const bool is_same = std::all_of(columns.begin(), columns.end(), [&](std::size_t k) {
-        const Column& column = as_named.columns[k].column;
-        const Column one = in_convention(column, less);
-        const Column other = in_convention(column, whole);
-        return one.field == other.field && one.side == other.side && sign_in(column, less) == sign_in(column, whole);
-      });
-      if (is_same) few = less;
+/// Conventions in which no column is wrong, and their lines in a header; those of few lines first.
+using Fitting = std::vector<std::pair<Convention, std::vector<std::string>>>;
+Fitting fitting(const Standard& standard, const Reference& as_named, const std::string& joint) {
+  Fitting found;
+  for (const Convention& convention : all_conventions()) {
+    const std::vector<ReferenceRow> rows = rows_in(standard, as_named, {{"", convention}});
+    const auto has = [&](ReferenceWord word) {
+      return std::any_of(rows.begin(), rows.end(), [word](const ReferenceRow& row) { return row.word == word; });
     };
-    drop(&Convention::side);
-    drop(&Convention::in_world_axes);
-    drop(&Convention::with_driver);
-    drop(&Convention::opposite);
-    return few;
+    if (has(ReferenceWord::wrong) || !has(ReferenceWord::equal)) continue;
+    found.emplace_back(convention, header_lines(in_few_words(as_named, convention), joint));
   }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+  return found;
+}
 
-  /// The header lines of every convention that fits, those of few lines first: "`# side = parent`", "`# axes = world`
-  /// and `# sign = opposite`".
-  [[nodiscard]] std::vector<std::string> found(const Indices& columns, const std::string& joint) const {
-    std::vector<std::vector<std::string>> all;
-    for (const Convention& convention : all_conventions()) {
-      if (!fit(columns, convention)) continue;
-      all.push_back(header_lines(in_few_words(columns, convention), joint));
-    }
-    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
-    std::vector<std::string> texts;
-    for (const std::vector<std::string>& lines : all) {
-      texts.push_back(lines.empty() ? "no line of a convention" : fmt::format("`{}`", fmt::join(lines, "` and `")));
-    }
-    return texts;
+/// "equal in another convention: `# side = parent`, or `# axes = world` and `# sign = opposite`".
+std::string describe(const Fitting& found) {
+  std::vector<std::string> texts;
+  for (const auto& [convention, lines] : found) {
+    texts.push_back(lines.empty() ? "no line of a convention" : fmt::format("`{}`", fmt::join(lines, "` and `")));
   }
-};
+  return fmt::format("{}: {}", to_string(ReferenceWord::other_convention), fmt::join(texts, ", or "));
+}
 
-/// Tells conventions of a set of columns that fit; whether there is one.
-bool tell(const std::vector<std::string>& found, const Indices& columns, const std::string& of, Verdict& verdict) {
+/// The conventions of one joint, or, with "", of all joints, and the finding that tells them; nothing if none fits.
+bool search(const Standard& standard, const Reference& part, const std::string& joint, Conventions& conventions,
+            Verdict& verdict) {
+  const Fitting found = fitting(standard, part, joint);
   if (found.empty()) return false;
-  const std::string said = fmt::format("equal in another convention: {}", fmt::join(found, ", or "));
-  for (const std::size_t k : columns) {
-    if (is_off(verdict.references[k])) verdict.references[k].hint = said;
-  }
-  verdict.notes.push_back(fmt::format("reference: {} {} when its header says so", of, said));
+  conventions[joint] = found.front().first;
+  verdict.findings.push_back(
+      {fmt::format("reference: {} {}", joint.empty() ? "all joints are" : "joint " + joint + " is", describe(found)),
+       fmt::format("reference: {}; state that in a line at its head", verdict.reference_file)});
   return true;
 }
 
 }  // namespace
-
-bool is_off(const ReferenceRow& row) { return row.is_judged && !row.agrees; }
 
 Reference in_stated_convention(const Model& model, const Reference& as_named) {
   Reference told = as_named;
@@ -119,29 +117,30 @@ Reference in_stated_convention(const Model& model, const Reference& as_named) {
   return told;
 }
 
-bool find_conventions(const Model& model, const RunsAtTimes& runs, const Reference& as_named, const Trajectory& known,
-                      Verdict& verdict) {
-  Indices all;
+void find_conventions(const Standard& standard, const Reference& as_named, Verdict& verdict) {
   std::set<int> joints;
-  bool others_agree = true;
   for (std::size_t k = 0; k < as_named.columns.size(); ++k) {
     const Column& column = as_named.columns[k].column;
-    if (has_convention(column)) all.push_back(k);
-    if (!is_off(verdict.references[k])) continue;
-    if (has_convention(column)) joints.insert(column.owner);
-    others_agree = others_agree && has_convention(column);
+    if (has_convention(column) && verdict.references[k].word == ReferenceWord::wrong) joints.insert(column.owner);
   }
-  if (joints.empty()) return false;
-  const Search search{runs, as_named, known};
-  if (tell(search.found(all, ""), all, "all joints are", verdict)) return others_agree;
-  for (const int joint : joints) {
-    Indices own;
-    std::copy_if(all.begin(), all.end(), std::back_inserter(own),
-                 [&](std::size_t k) { return as_named.columns[k].column.owner == joint; });
-    const std::string& name = model.joints.at(static_cast<std::size_t>(joint)).name;
-    if (!tell(search.found(own, name), own, fmt::format("joint {} is", name), verdict)) others_agree = false;
+  if (joints.empty()) return;
+  Conventions conventions;
+  if (!search(standard, with_conventions(as_named, {}), "", conventions, verdict)) {
+    conventions = as_named.conventions;
+    bool is_found = false;
+    for (const int joint : joints) {
+      const std::string& name = standard.model.joints.at(static_cast<std::size_t>(joint)).name;
+      is_found = search(standard, with_conventions(as_named, joint), name, conventions, verdict) || is_found;
+    }
+    if (!is_found) return;
   }
-  return others_agree;
+  const std::vector<ReferenceRow> told = rows_in(standard, as_named, conventions);
+  for (std::size_t k = 0; k < told.size(); ++k) {
+    ReferenceRow& row = verdict.references[k];
+    if (row.word != ReferenceWord::wrong || told[k].word == ReferenceWord::wrong) continue;
+    row.word = told[k].word == ReferenceWord::equal ? ReferenceWord::other_convention : told[k].word;
+    row.hint = "";
+  }
 }
 
 }  // namespace concord::compare

@@ -1,25 +1,19 @@
 #pragma once
 
 #include "common/model.h"
-#include "common/results.h"
 #include "compare/quantities/reference_file.h"
-#include "compare/verdict/reference_hints.h"
+#include "compare/verdict/reference_rows.h"
 #include "compare/verdict/verdict.h"
 
 /// In which other convention the numbers of a reference would be equal.
 namespace concord::compare {
 
-/// Whether a solver is off a column by more than is allowed.
-bool is_off(const ReferenceRow& row);
-
 /// A reference whose columns are those that its header's conventions mean, of the sign that concord has.
 Reference in_stated_convention(const Model& model, const Reference& as_named);
 
-/// Searches the conventions for those in which every reaction in `as_named` is within the allowed error of its row
-/// where it is unique (`known`: a run with NaN where a number is not); first one for all joints, then for each joint
-/// that is off. Tells all that fit, with the header lines that say them, in a note and in the hints of the rows.
-/// Returns whether every judged row is equal then.
-bool find_conventions(const Model& model, const RunsAtTimes& runs, const Reference& as_named, const Trajectory& known,
-                      Verdict& verdict);
+/// Searches the conventions of the reactions in `as_named`, where rows of `verdict` are wrong: for those in which none
+/// is, first of all joints together, then of each joint that has a wrong row. Tells all that fit in a finding, with the
+/// lines that say them, and gives the rows the words that they have there.
+void find_conventions(const Standard& standard, const Reference& as_named, Verdict& verdict);
 
 }  // namespace concord::compare

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "compare/quantities/columns.h"
 
@@ -95,17 +97,28 @@ double measure_of_percent(const Column& column, const Verdict& verdict, const Re
   return moves ? std::max(peak, kNextToNothing * largest) : peak;
 }
 
+/// Zero of nothing.
+double lower_median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+constexpr double kMostUnstated = 1e-3;  // of the peak, where no error is stated
+
 /// What the digits of a column leave open where no error is stated: half a unit of the last digit of the peak of its
-/// vector, written with as many digits as its longest number, and of no more than this part of it.
+/// vector, written with as many digits as its longest number, and no less than any run is held to.
 double error_of_digits(const ReferenceColumn& column, const Reference& reference) {
-  constexpr double kMost = 1e-3;
+  constexpr double kLeast = 1e-9;
   const double peak = peak_of(column.column, reference);
   if (peak == 0.0) return 0.0;
   int digits = 0;
   for (const ReferenceColumn& other : reference.columns) {
     if (are_of_one_vector(other.column, column.column)) digits = std::max(digits, other.digits);
   }
-  return std::min(kMost * peak, 0.5 * std::pow(10.0, std::floor(std::log10(peak)) - digits + 1));
+  const double half = 0.5 * std::pow(10.0, std::floor(std::log10(peak)) - digits + 1);
+  return std::clamp(half, kLeast * peak, kMostUnstated * peak);
 }
 
 }  // namespace
@@ -120,9 +133,39 @@ double last_judged(const Verdict& verdict) {
          kOnGrid * until / static_cast<double>(verdict.trajectories[0]->samples.size());
 }
 
-double error_of(const ReferenceColumn& column, const Verdict& verdict, const Reference& reference, double largest) {
-  if (!column.is_stated) return error_of_digits(column, reference);
+double error_of(const ReferenceColumn& column, const Verdict& verdict, const Reference& reference, double largest,
+                double drift) {
+  if (!column.is_stated) return std::max(error_of_digits(column, reference), drift * peak_of(column.column, reference));
   return column.error * (column.is_relative ? measure_of_percent(column.column, verdict, reference, largest) : 1.0);
+}
+
+double drift_of(const Standard& standard, const Reference& reference) {
+  constexpr double kTimes = 10.0;
+  constexpr double kNoise = 1e-6;  // of the machine's largest number of that unit
+  constexpr std::size_t kFewest = 5;
+  const RunsAtTimes& runs = standard.runs;
+  if (runs.samples.size() < kFewest || runs.samples.front() != 0) return 0.0;
+  std::vector<std::pair<const Column*, std::vector<double>>> deviations;  // of each vector at each time, of its peak
+  for (const ReferenceColumn& said : reference.columns) {
+    const double peak = peak_of(said.column, reference);
+    const bool is_noise = !(peak > kNoise * size_of(standard, said.column.unit));
+    if (said.is_stated || said.column.is_own || has_free_sign(said.column) || is_noise) continue;
+    auto of_vector = std::find_if(deviations.begin(), deviations.end(),
+                                  [&](const auto& one) { return are_of_one_vector(*one.first, said.column); });
+    if (of_vector == deviations.end()) {
+      of_vector = deviations.insert(of_vector, {&said.column, std::vector<double>(runs.samples.size(), 0.0)});
+    }
+    for (std::size_t k = 0; k < runs.samples.size(); ++k) {
+      const double off = std::abs(value_of(said.column, standard.known.samples[runs.samples[k]]) - said.values[k]);
+      if (k == 0 && off > error_of_digits(said, reference)) return 0.0;
+      double& largest = of_vector->second[k];
+      if (off > largest * peak) largest = off / peak;  // not where either says nothing
+    }
+  }
+  std::vector<double> medians;
+  for (const auto& [column, of_vector] : deviations) medians.push_back(lower_median(of_vector));
+  const double median = lower_median(std::move(medians));
+  return median > kMostUnstated ? 0.0 : std::min(kMostUnstated, kTimes * median);
 }
 
 }  // namespace concord::compare

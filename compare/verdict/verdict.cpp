@@ -16,6 +16,25 @@ std::string to_string(Outcome outcome) {
   }
 }
 
+std::string to_string(ReferenceWord word) {
+  switch (word) {
+    case ReferenceWord::equal:
+      return "equal";
+    case ReferenceWord::other_convention:
+      return "equal in another convention";
+    case ReferenceWord::one_of_many:
+      return "one of infinitely many";
+    case ReferenceWord::wrong:
+      return "wrong";
+    default:
+      return "not judged";
+  }
+}
+
+bool is_off(const ReferenceRow& row) {
+  return row.word != ReferenceWord::equal && row.word != ReferenceWord::not_judged;
+}
+
 std::string to_string(Judgement judgement) {
   switch (judgement) {
     case Judgement::agree:

@@ -95,27 +95,35 @@ struct SolverSummary {
   std::optional<EnergyReport> energy;  // with the drift itself; where there is an energy_error
 };
 
+/// What a component of a reference is found to be; what is off would be equal in another convention, or is one of
+/// infinitely many values that fit the motion.
+enum class ReferenceWord { equal, other_convention, one_of_many, wrong, not_judged };
+/// "equal", "equal in another convention", "one of infinitely many", "wrong", "not judged".
+std::string to_string(ReferenceWord word);
+
 /// One component against a reference from outside.
 struct ReferenceRow {
   std::string of;  // "joint D on slider"
   std::string component;
   std::string unit;
   double peak = 0.0;     // of the reference
-  double allowed = 0.0;  // the error that its source states, in the component's unit
+  double allowed = 0.0;  // the error of its source, in the component's unit
   /// Largest differences of both solvers from it, and the time of the larger one.
   std::array<double, 2> differences{};
   double t = 0.0;
   double stated = 0.0;  // what the reference says there, in which line of its file
   int line = 0;
-  bool agrees = false;
-  bool is_judged = true;  // false where the component is not unique, or no time of it within reach
-  std::string hint;       // "it has the other sign": what would fit; empty: nothing
+  ReferenceWord word = ReferenceWord::not_judged;  // so where no time of it is within reach
+  std::string hint;                                // "it has the other sign": what would fit; empty: nothing
   /// For pictures: what it says at which times, of a component of a joint's reaction or of a force element's wrench in
   /// the frame of its side; else nothing.
   std::optional<Quantity> quantity = {};
   std::vector<double> times = {};   // s
   std::vector<double> values = {};  // in the component's unit
 };
+
+/// Whether a component is judged, and its numbers are not those that were expected.
+bool is_off(const ReferenceRow& row);
 
 struct Verdict {
   Outcome outcome = Outcome::failed;

@@ -78,8 +78,7 @@ bool is_told_of(const Verdict& verdict, const std::string& check) {
 }
 
 bool misses_reference(const Verdict& verdict) {
-  return std::any_of(verdict.references.begin(), verdict.references.end(),
-                     [](const ReferenceRow& row) { return row.is_judged && !row.agrees; });
+  return std::any_of(verdict.references.begin(), verdict.references.end(), is_off);
 }
 
 std::string first_check_below_need(const Verdict& verdict) {

@@ -40,13 +40,11 @@
             make("p", { class: "quiet", text: `RMS over range ${sized(curves.rms_over_range, "")}; Sprague-Geers: magnitude ${sized(curves.magnitude, "")}, phase ${sized(curves.phase, "")}, combined ${sized(curves.combined, "")}` })];
   }
 
-  const verdictOf = { differ: "differ", agree: "agree", not_judged: "not judged" };
-
   function reference(rows) {
     if (!(rows || []).length) return [];
     return [make("h2", { text: "Against the reference" }),
-            tableOf(["of", "component", "peak", "stated error", "cartesian is off by", "relative is off by", "verdict"],
-                    rows.map((r) => [r.of, r.component, ...[r.peak, r.stated_error, r.cartesian_off, r.relative_off].map((value) => sized(value, r.unit === "1" ? "" : r.unit)), verdictOf[r.verdict] || r.verdict]))];
+            tableOf(["of", "component", "peak", "error", "cartesian is off by", "relative is off by", "verdict"],
+                    rows.map((r) => [r.of, r.component, ...[r.peak, r.stated_error, r.cartesian_off, r.relative_off].map((value) => sized(value, r.unit === "1" ? "" : r.unit)), r.word]))];
   }
 
   function thirdOpinion(third) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/joints/spherical.h"
+#include "compare/audit/places.h"
 #include "tests/unit/fake_pendulum.h"
 
 namespace concord::compare {
@@ -67,6 +68,32 @@ TEST_F(MachineRankTest, ABallOnTheAxisSaysNothingNew) {
       EXPECT_EQ(redundant.report().joints[0].unique[side][3 + c], c == 2) << c;
       EXPECT_TRUE(redundant.report().joints[1].unique[side][3 + c]) << c;
     }
+  }
+}
+
+// Forces alone: every self-stress leaves the bob in balance, in the axes of both frames, and passes each joint whole.
+TEST_F(MachineRankTest, SelfStressesLeaveEveryBodyInBalance) {
+  EXPECT_TRUE(constraints().self_stresses(state_).empty());
+  add_ball();
+  model_.joints[0].drivers = {{0, Polynomial{{0.7, 3.1}}}};
+  const std::vector<Evaluation> all = constraints().self_stresses(state_);
+  ASSERT_EQ(all.size(), 3U);
+  for (const Evaluation& one : all) {
+    Vec6 on_bob = Vec6::Zero();
+    double largest = 0.0;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Joint& joint = model_.joints[k];
+      const SideWrench& child = one.joints[k].total_on(Side::child);
+      const SideWrench& parent = one.joints[k].total_on(Side::parent);
+      const PlacedFrame at = place(joint.on(Side::child), state_.bodies[1]);
+      on_bob.head<3>() += child.in_global.force;
+      on_bob.tail<3>() += child.in_global.torque + at.lever.cross(child.in_global.force);
+      largest = std::max(largest, child.in_C.vector().norm());
+      EXPECT_LT((at.A_joint * child.in_C.force - child.in_global.force).norm(), 1e-14);
+      EXPECT_LT((child.in_global.vector() + parent.in_global.vector()).norm(), 1e-12) << "both points are one";
+    }
+    EXPECT_LT(on_bob.norm(), 1e-12);
+    EXPECT_GT(largest, 0.1);
   }
 }
 

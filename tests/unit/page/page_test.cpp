@@ -192,7 +192,8 @@ TEST(Page, SaysWhatCarriedTheVerdict) {
 
 TEST(Page, ChecksWithoutDigitsAreAmongTheChecks) {
   Compared one;
-  one.verdict.references.push_back({.of = "joint A on bob", .component = "F_x", .unit = "N", .agrees = false});
+  one.verdict.references.push_back(
+      {.of = "joint A on bob", .component = "F_x", .unit = "N", .word = ReferenceWord::wrong});
   const nlohmann::json checks = data_of(format_page({one.reported()})).at("machines").at(0).at("rungs");
   EXPECT_EQ(checks.at(5), (nlohmann::json{{"name", "energy"}, {"digits", nullptr}, {"passed", true}}));
   EXPECT_EQ(checks.at(6), (nlohmann::json{{"name", "reference"}, {"digits", nullptr}, {"passed", false}}));

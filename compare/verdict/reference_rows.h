@@ -1,0 +1,46 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/model.h"
+#include "common/results.h"
+#include "compare/quantities/reference_file.h"
+#include "compare/verdict/reference_hints.h"
+#include "compare/verdict/verdict.h"
+
+/// Row by row: the numbers of a reference beside those of both solvers.
+namespace concord::compare {
+
+/// What the numbers of a reference are held against, at its times.
+struct Standard {
+  const Model& model;
+  RunsAtTimes runs;
+  const Trajectory& known;                // a run with NaN where a number is not unique
+  std::map<std::string, double> largest;  // number of the machine, by unit
+  /// At each time what each self-stress of the machine exerts; none where all is unique or the count is not clear.
+  std::vector<std::vector<Sample>> self_stresses;
+};
+
+/// The machine's largest number of a unit; zero if it has none.
+double size_of(const Standard& standard, const std::string& unit);
+
+/// `known`: see Standard.
+Standard standard_of(const Model& model, const RunsAtTimes& runs, const Trajectory& known);
+
+struct JudgedRows {
+  std::vector<ReferenceRow> rows;  // one for each column
+  double drift = 0.0;              // that counts as an error where none is stated, of the peak (drift_of)
+};
+
+/// Holds every column of a reference, whose conventions are concord's, against both solvers. Where it is unique it is
+/// equal if neither is off by more than the error of its source. Where it is one of many, the differences of all such
+/// columns at that time must be one sum of multiples of the self-stresses, but for those errors: each column is then
+/// one of infinitely many, and else wrong. Times at which neither holds are left out.
+JudgedRows judge_rows(const Standard& standard, const Reference& reference);
+
+/// What a column that is wrong would fit; see what_would_fit().
+std::string hint_at_wrong(const Standard& standard, const Reference& reference, std::size_t column, double allowed);
+
+}  // namespace concord::compare
