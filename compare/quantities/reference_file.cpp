@@ -205,7 +205,7 @@ class ReferenceReader {
   void read_convention(const std::string& said, const std::string& value) {
     const std::string word = said.substr(0, said.find(' '));
     const std::string joint = trimmed(said.substr(word.size()));
-    if (word != "side" && word != "axes" && word != "driver" && word != "sign") return;
+    if (!is_convention_word(word)) return;
     if (!joint.empty() && std::find(joints_.begin(), joints_.end(), joint) == joints_.end()) {
       refuse(fmt::format("a convention is stated for '{}', which is no joint", joint));
     }

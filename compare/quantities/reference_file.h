@@ -19,8 +19,9 @@ struct ReferenceColumn {
   /// in the column's unit.
   double error = 0.0;
   bool is_relative = true;
-  bool is_stated = true;  // false: it follows from the digits
-  int digits = 0;         // of the number with the most, without leading zeros
+  bool is_stated = true;         // false: it follows from the digits
+  int digits = 0;                // of the number with the most, without leading zeros
+  bool is_re_expressed = false;  // the runs are brought where it tells, see re_express()
 };
 
 struct Reference {

@@ -150,18 +150,19 @@ void judge_reference(const Model& model, const Reference& whole, Verdict& verdic
   if (!verdict.trajectories[0] || !verdict.trajectories[1]) return;  // a failure already
   const Trajectory& run = *verdict.trajectories[0];
   Reference as_named = whole;
-  RunsAtTimes runs{verdict, samples_at(as_named, run.samples.back().state.t, run.samples.size() - 1)};
-  cut_at_horizon(run, as_named, runs.samples, verdict);
-  const Reference reference = in_stated_convention(model, as_named);
-  note_rounded_times(reference, run, runs.samples, verdict);
+  std::vector<std::size_t> samples = samples_at(as_named, run.samples.back().state.t, run.samples.size() - 1);
+  cut_at_horizon(run, as_named, samples, verdict);
+  note_rounded_times(as_named, run, samples, verdict);
   const std::optional<Trajectory> known =
       verdict.unique ? unique_part(model, run, *verdict.unique) : std::optional<Trajectory>();
-  const Standard standard = standard_of(model, runs, known ? *known : run);
-  JudgedRows judged = judge_rows(standard, reference);
+  const Standard standard = standard_of(model, verdict, samples, known ? *known : run);
+  const Standard as_stated = re_expressed(standard, as_named.conventions);
+  const Reference reference = in_stated_convention(model, as_named);
+  JudgedRows judged = judge_rows(as_stated, reference);
   verdict.references = std::move(judged.rows);
   note_unstated_errors(reference, judged.drift, verdict);
   find_conventions(standard, as_named, verdict);
-  add_findings(standard, reference, verdict);
+  add_findings(as_stated, reference, verdict);
   if (verdict.outcome != Outcome::agree) return;
   const auto has = [&](ReferenceWord word) {
     return std::any_of(verdict.references.begin(), verdict.references.end(),

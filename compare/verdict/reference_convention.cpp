@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -15,21 +16,6 @@ namespace concord::compare {
 
 namespace {
 
-/// What is stated of a column's joint, and, where that says nothing, of all.
-Convention stated_of(const Model& model, const Column& column, const Conventions& stated) {
-  const auto of = [&](const std::string& joint) {
-    const auto found = stated.find(joint);
-    return found == stated.end() ? Convention() : found->second;
-  };
-  Convention own = of(model.joints.at(static_cast<std::size_t>(column.owner)).name);
-  const Convention all = of("");
-  if (!own.side) own.side = all.side;
-  if (!own.in_world_axes) own.in_world_axes = all.in_world_axes;
-  if (!own.with_driver) own.with_driver = all.with_driver;
-  if (!own.opposite) own.opposite = all.opposite;
-  return own;
-}
-
 /// The columns that have conventions, of all joints or of one.
 Reference with_conventions(const Reference& whole, std::optional<int> joint) {
   Reference part = whole;
@@ -41,32 +27,38 @@ Reference with_conventions(const Reference& whole, std::optional<int> joint) {
 
 std::vector<ReferenceRow> rows_in(const Standard& standard, Reference as_named, const Conventions& conventions) {
   as_named.conventions = conventions;
-  return judge_rows(standard, in_stated_convention(standard.model, as_named)).rows;
+  return judge_rows(re_expressed(standard, conventions), in_stated_convention(standard.model, as_named)).rows;
 }
 
 /// A convention without the words that the names of the columns say already.
 Convention in_few_words(const Reference& as_named, const Convention& whole) {
-  Convention few = whole;
-  const auto drop = [&](auto Convention::*word) {
-    Convention less = few;
-    less.*word = {};
-    const bool is_same =
-        std::all_of(as_named.columns.begin(), as_named.columns.end(), [&](const ReferenceColumn& said) {
-          const Column one = in_convention(said.column, less);
-          const Column other = in_convention(said.column, whole);
-          return one.field == other.field && one.side == other.side &&
-                 sign_in(said.column, less) == sign_in(said.column, whole);
-        });
-    if (is_same) few = less;
+  const auto is_same = [&](const Convention& less) {
+    if (re_expression_of(less) != re_expression_of(whole)) return false;
+    return std::all_of(as_named.columns.begin(), as_named.columns.end(), [&](const ReferenceColumn& said) {
+      const Column one = in_convention(said.column, less);
+      const Column other = in_convention(said.column, whole);
+      return one.field == other.field && one.side == other.side &&
+             sign_in(said.column, less) == sign_in(said.column, whole);
+    });
   };
-  drop(&Convention::side);
-  drop(&Convention::in_world_axes);
-  drop(&Convention::with_driver);
-  drop(&Convention::opposite);
+  Convention few = whole;
+  for (std::size_t k = 0; k < few.size(); ++k) {
+    Convention less = few;
+    less[k].reset();
+    if (is_same(less)) few = less;
+  }
   return few;
 }
 
-/// Conventions in which no column is wrong, and their lines in a header; those of few lines first.
+/// Whether a header with these lines holds all of another one.
+bool holds_all(const std::vector<std::string>& lines, const std::vector<std::string>& others) {
+  return std::all_of(others.begin(), others.end(), [&](const std::string& line) {
+    return std::find(lines.begin(), lines.end(), line) != lines.end();
+  });
+}
+
+/// Conventions in which no column is wrong, and their lines in a header; those of few lines first, and none that says
+/// more than another one.
 using Fitting = std::vector<std::pair<Convention, std::vector<std::string>>>;
 Fitting fitting(const Standard& standard, const Reference& as_named, const std::string& joint) {
   Fitting found;
@@ -80,7 +72,13 @@ Fitting fitting(const Standard& standard, const Reference& as_named, const std::
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
-  return found;
+  Fitting least;
+  for (const auto& one : found) {
+    const bool says_more =
+        std::any_of(least.begin(), least.end(), [&](const auto& other) { return holds_all(one.second, other.second); });
+    if (!says_more) least.push_back(one);
+  }
+  return least;
 }
 
 /// "equal in another convention: `# side = parent`, or `# axes = world` and `# sign = opposite`".
@@ -92,16 +90,14 @@ std::string describe(const Fitting& found) {
   return fmt::format("{}: {}", to_string(ReferenceWord::other_convention), fmt::join(texts, ", or "));
 }
 
-/// The conventions of one joint, or, with "", of all joints, and the finding that tells them; nothing if none fits.
-bool search(const Standard& standard, const Reference& part, const std::string& joint, Conventions& conventions,
-            Verdict& verdict) {
-  const Fitting found = fitting(standard, part, joint);
-  if (found.empty()) return false;
-  conventions[joint] = found.front().first;
-  verdict.findings.push_back(
-      {fmt::format("reference: {} {}", joint.empty() ? "all joints are" : "joint " + joint + " is", describe(found)),
-       fmt::format("reference: {}; state that in a line at its head", verdict.reference_file)});
-  return true;
+/// Joints that have a wrong row.
+std::set<int> wrong_joints(const Reference& as_named, const std::vector<ReferenceRow>& rows) {
+  std::set<int> joints;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Column& column = as_named.columns[k].column;
+    if (has_convention(column) && rows[k].word == ReferenceWord::wrong) joints.insert(column.owner);
+  }
+  return joints;
 }
 
 }  // namespace
@@ -110,34 +106,47 @@ Reference in_stated_convention(const Model& model, const Reference& as_named) {
   Reference told = as_named;
   for (ReferenceColumn& column : told.columns) {
     if (!has_convention(column.column)) continue;
-    const Convention convention = stated_of(model, column.column, as_named.conventions);
+    const std::string& joint = model.joints.at(static_cast<std::size_t>(column.column.owner)).name;
+    const Convention convention = stated_of(joint, as_named.conventions);
     for (double& value : column.values) value *= sign_in(column.column, convention);
     column.column = in_convention(column.column, convention);
+    column.is_re_expressed = needs_re_expression(convention);
   }
   return told;
 }
 
 void find_conventions(const Standard& standard, const Reference& as_named, Verdict& verdict) {
-  std::set<int> joints;
-  for (std::size_t k = 0; k < as_named.columns.size(); ++k) {
-    const Column& column = as_named.columns[k].column;
-    if (has_convention(column) && verdict.references[k].word == ReferenceWord::wrong) joints.insert(column.owner);
-  }
+  const std::set<int> joints = wrong_joints(as_named, verdict.references);
   if (joints.empty()) return;
-  Conventions conventions;
-  if (!search(standard, with_conventions(as_named, {}), "", conventions, verdict)) {
-    conventions = as_named.conventions;
-    bool is_found = false;
+  const auto name_of = [&](int joint) { return standard.model.joints.at(static_cast<std::size_t>(joint)).name; };
+  const auto tell = [&](const std::string& of, const Fitting& found) {
+    verdict.findings.push_back({fmt::format("reference: {} {}", of, describe(found)),
+                                fmt::format("reference: {}; state that at its head", verdict.reference_file)});
+  };
+  Conventions conventions = as_named.conventions;
+  std::map<int, Fitting> of_joints;
+  const Fitting of_all = fitting(standard, with_conventions(as_named, {}), "");
+  if (!of_all.empty()) {
+    conventions = {{"", of_all.front().first}};
+    tell("all joints are", of_all);
+  } else {
     for (const int joint : joints) {
-      const std::string& name = standard.model.joints.at(static_cast<std::size_t>(joint)).name;
-      is_found = search(standard, with_conventions(as_named, joint), name, conventions, verdict) || is_found;
+      Fitting found = fitting(standard, with_conventions(as_named, joint), name_of(joint));
+      if (found.empty()) continue;
+      conventions[name_of(joint)] = found.front().first;
+      of_joints[joint] = std::move(found);
     }
-    if (!is_found) return;
+    if (of_joints.empty()) return;
   }
   const std::vector<ReferenceRow> told = rows_in(standard, as_named, conventions);
+  const std::set<int> still_wrong = wrong_joints(as_named, told);  // self-stresses join what joints are told
+  for (const auto& [joint, found] : of_joints) {
+    if (!still_wrong.contains(joint)) tell("joint " + name_of(joint) + " is", found);
+  }
   for (std::size_t k = 0; k < told.size(); ++k) {
+    const Column& column = as_named.columns[k].column;
     ReferenceRow& row = verdict.references[k];
-    if (row.word != ReferenceWord::wrong || told[k].word == ReferenceWord::wrong) continue;
+    if (!has_convention(column) || row.word != ReferenceWord::wrong || still_wrong.contains(column.owner)) continue;
     row.word = told[k].word == ReferenceWord::equal ? ReferenceWord::other_convention : told[k].word;
     row.hint = "";
   }

@@ -156,7 +156,7 @@ double drift_of(const Standard& standard, const Reference& reference) {
       of_vector = deviations.insert(of_vector, {&said.column, std::vector<double>(runs.samples.size(), 0.0)});
     }
     for (std::size_t k = 0; k < runs.samples.size(); ++k) {
-      const double off = std::abs(value_of(said.column, standard.known.samples[runs.samples[k]]) - said.values[k]);
+      const double off = std::abs(value_of(said.column, *standard.known[k]) - said.values[k]);
       if (k == 0 && off > error_of_digits(said, reference)) return 0.0;
       double& largest = of_vector->second[k];
       if (off > largest * peak) largest = off / peak;  // not where either says nothing

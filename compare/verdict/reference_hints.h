@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -16,10 +17,9 @@ namespace concord::compare {
 struct RunsAtTimes {
   const Verdict& verdict;
   std::vector<std::size_t> samples;
+  std::array<std::vector<const Sample*>, 2> at;  // of each solver
 
-  [[nodiscard]] const Sample& sample(std::size_t who, std::size_t k) const {
-    return verdict.trajectories[who]->samples.at(samples[k]);
-  }
+  [[nodiscard]] const Sample& sample(std::size_t who, std::size_t k) const { return *at[who][k]; }
 };
 
 /// What else of the same owner the numbers of a column that misses by more than `allowed` would fit: "it has the

@@ -28,16 +28,15 @@ struct ChosenTimes {
   bool is_judged;
 };
 
-/// `known`: a run with NaN where a number is not unique.
-ChosenTimes choose_times(const Reference& reference, const RunsAtTimes& runs, std::size_t column,
-                         const Trajectory& known) {
+ChosenTimes choose_times(const Reference& reference, const Standard& standard, std::size_t column) {
+  const RunsAtTimes& runs = standard.runs;
   const ReferenceColumn& asked = reference.columns[column];
   std::vector<std::size_t> said;
   std::vector<std::size_t> judged;
   for (std::size_t k = 0; k < runs.samples.size(); ++k) {
     if (std::isnan(asked.values[k])) continue;
     said.push_back(k);
-    const bool is_unique = !std::isnan(value_of(asked.column, known.samples[runs.samples[k]]));
+    const bool is_unique = !std::isnan(value_of(asked.column, *standard.known[k]));
     if (is_unique && !asked.column.is_own) judged.push_back(k);
   }
   const std::vector<std::size_t>& kept = judged.empty() ? said : judged;
@@ -46,7 +45,8 @@ ChosenTimes choose_times(const Reference& reference, const RunsAtTimes& runs, st
     for (const std::size_t k : kept) chosen.push_back(numbers[k]);
     return chosen;
   };
-  ChosenTimes chosen{{}, 0, {runs.verdict, of_kept(runs.samples)}, !judged.empty()};
+  ChosenTimes chosen{
+      {}, 0, {runs.verdict, of_kept(runs.samples), {of_kept(runs.at[0]), of_kept(runs.at[1])}}, !judged.empty()};
   chosen.reference.times = of_kept(reference.times);
   chosen.reference.lines = of_kept(reference.lines);
   for (std::size_t k = 0; k < reference.columns.size(); ++k) {
@@ -135,7 +135,7 @@ void measure_row(const RunsAtTimes& runs, const Reference& reference, const Refe
 void keep_for_pictures(const Reference& reference, const ReferenceColumn& column, ReferenceRow& row) {
   const auto quantity = quantity_of(column.column);
   const bool is_drawn = quantity && (quantity->kind == Kind::reaction || quantity->kind == Kind::element);
-  if (!is_drawn || column.column.is_own) return;
+  if (!is_drawn || column.column.is_own || column.is_re_expressed) return;
   row.quantity = quantity;
   for (std::size_t k = 0; k < column.values.size(); ++k) {
     if (std::isnan(column.values[k])) continue;
@@ -158,7 +158,7 @@ VecX unexplained_at(std::size_t k, const Standard& standard, const Reference& re
     const auto index = static_cast<std::size_t>(c);
     const Column& column = reference.columns[index].column;
     const double said = reference.columns[index].values[k];
-    const bool is_unique = !std::isnan(value_of(column, standard.known.samples[standard.runs.samples[k]]));
+    const bool is_unique = !std::isnan(value_of(column, *standard.known[k]));
     if (std::isnan(said) || is_unique || column.is_own) continue;
     const double unit = std::max(rows[index].allowed, std::numeric_limits<double>::min());
     for (std::size_t m = 0; m < members.size(); ++m) {
@@ -208,13 +208,18 @@ double size_of(const Standard& standard, const std::string& unit) {
   return found == standard.largest.end() ? 0.0 : found->second;
 }
 
-Standard standard_of(const Model& model, const RunsAtTimes& runs, const Trajectory& known) {
-  const Trajectory& run = *runs.verdict.trajectories[0];
-  Standard standard{model, runs, known, largest_numbers(model, run), {}};
-  standard.self_stresses.resize(runs.samples.size());
-  if (&known == &run) return standard;
-  for (std::size_t k = 0; k < runs.samples.size(); ++k) {
-    const State& state = run.samples[runs.samples[k]].state;
+Standard standard_of(const Model& model, const Verdict& verdict, const std::vector<std::size_t>& samples,
+                     const Trajectory& known) {
+  const Trajectory& run = *verdict.trajectories[0];
+  Standard standard{model, {verdict, samples, {}}, {}, largest_numbers(model, run), {}, {}};
+  standard.self_stresses.resize(samples.size());
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    for (std::size_t who = 0; who < 2; ++who) {
+      standard.runs.at[who].push_back(&verdict.trajectories[who]->samples.at(samples[k]));
+    }
+    standard.known.push_back(&known.samples.at(samples[k]));
+    if (&known == &run) continue;
+    const State& state = standard.runs.sample(0, k).state;
     for (Evaluation& one : MachineConstraints(model, state).self_stresses(state)) {
       standard.self_stresses[k].push_back({state, std::move(one), 0.0});
     }
@@ -222,11 +227,38 @@ Standard standard_of(const Model& model, const RunsAtTimes& runs, const Trajecto
   return standard;
 }
 
+Standard re_expressed(const Standard& standard, const Conventions& conventions) {
+  const std::vector<Joint>& joints = standard.model.joints;
+  std::vector<Convention> stated;
+  for (const Joint& joint : joints) stated.push_back(stated_of(joint.name, conventions));
+  if (std::none_of(stated.begin(), stated.end(), needs_re_expression)) return standard;
+  const auto bring = [&](const State& state, Sample& sample) {
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      re_express(joints[j], stated[j], state, sample.evaluation.joints[j]);
+    }
+  };
+  Standard other = standard;
+  const std::array<std::vector<const Sample*>*, 3> all{&other.runs.at[0], &other.runs.at[1], &other.known};
+  auto owned = std::make_shared<std::vector<Sample>>();
+  owned->reserve(all.size() * other.known.size());  // pointers to them stay
+  for (std::vector<const Sample*>* samples : all) {
+    for (const Sample*& sample : *samples) {
+      bring(sample->state, owned->emplace_back(*sample));
+      sample = &owned->back();
+    }
+  }
+  for (std::vector<Sample>& members : other.self_stresses) {
+    for (Sample& member : members) bring(member.state, member);
+  }
+  other.owned = std::move(owned);
+  return other;
+}
+
 JudgedRows judge_rows(const Standard& standard, const Reference& reference) {
   JudgedRows judged;
   judged.drift = drift_of(standard, reference);
   for (std::size_t k = 0; k < reference.columns.size(); ++k) {
-    const ChosenTimes times = choose_times(reference, standard.runs, k, standard.known);
+    const ChosenTimes times = choose_times(reference, standard, k);
     const ReferenceColumn& column = times.reference.columns[times.column];
     const double largest = size_of(standard, column.column.unit);
     ReferenceRow& row = judged.rows.emplace_back();
@@ -243,7 +275,7 @@ JudgedRows judge_rows(const Standard& standard, const Reference& reference) {
 }
 
 std::string hint_at_wrong(const Standard& standard, const Reference& reference, std::size_t column, double allowed) {
-  const ChosenTimes times = choose_times(reference, standard.runs, column, standard.known);
+  const ChosenTimes times = choose_times(reference, standard, column);
   if (!times.is_judged) return "";
   return what_would_fit(standard.model, times.runs, times.reference, times.reference.columns[times.column], allowed);
 }

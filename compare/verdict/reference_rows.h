@@ -1,11 +1,13 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "common/model.h"
 #include "common/results.h"
+#include "compare/quantities/convention.h"
 #include "compare/quantities/reference_file.h"
 #include "compare/verdict/reference_hints.h"
 #include "compare/verdict/verdict.h"
@@ -17,17 +19,23 @@ namespace concord::compare {
 struct Standard {
   const Model& model;
   RunsAtTimes runs;
-  const Trajectory& known;                // a run with NaN where a number is not unique
+  std::vector<const Sample*> known;       // with NaN where a number is not unique
   std::map<std::string, double> largest;  // number of the machine, by unit
   /// At each time what each self-stress of the machine exerts; none where all is unique or the count is not clear.
   std::vector<std::vector<Sample>> self_stresses;
+  std::shared_ptr<const std::vector<Sample>> owned;  // samples that no run holds
 };
 
 /// The machine's largest number of a unit; zero if it has none.
 double size_of(const Standard& standard, const std::string& unit);
 
-/// `known`: see Standard.
-Standard standard_of(const Model& model, const RunsAtTimes& runs, const Trajectory& known);
+/// At the samples of a run that have these numbers; `known`: the first run with NaN where a number is not unique, or
+/// the run itself. The verdict, the model and `known` must outlive it.
+Standard standard_of(const Model& model, const Verdict& verdict, const std::vector<std::size_t>& samples,
+                     const Trajectory& known);
+
+/// The same with the wrenches of joints where conventions tell them (re_express).
+Standard re_expressed(const Standard& standard, const Conventions& conventions);
 
 struct JudgedRows {
   std::vector<ReferenceRow> rows;  // one for each column

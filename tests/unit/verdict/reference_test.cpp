@@ -577,7 +577,7 @@ TEST_F(ReferenceTest, AMissSaysWhichOtherColumnFits) {
   const std::string question = ": on another side, in other axes, or of the other sign?";
   EXPECT_THAT(hint_for("A.child.F_y [N]",
                        [](const Sample& sample) { return sample.evaluation.joints[0].reaction[1].in_global.force(1); }),
-              HasSubstr("measured.csv; state that in a line at its head"));
+              HasSubstr("measured.csv; state that at its head"));
   EXPECT_THAT(hint_for("A.child.F_x [N]",
                        [](const Sample& sample) { return sample.evaluation.joints[0].reaction[0].in_C.force(2); }),
               HasSubstr("it agrees with A.parent.F_z" + question));
