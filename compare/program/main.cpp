@@ -81,7 +81,7 @@ void add_compare(compare::CommandLine& line) {
   app.add_option("--report", command.report,
                  "File for the verdict as an HTML page: table, curves and the machine in motion");
   app.add_option("--reference", command.reference,
-                 "CSV file of reference values from another source, with their stated error (compare/README)");
+                 "CSV file of values from another source: equal, in another convention, one of many, or wrong?");
   app.add_option("--oracle", command.third_name,
                  "Another program as a third opinion at the same state: simbody (compare/oracle/README)")
       ->check(CLI::IsMember({"simbody"}));

@@ -161,6 +161,11 @@ void judge_reference(const Model& model, const Reference& whole, Verdict& verdic
   JudgedRows judged = judge_rows(as_stated, reference);
   verdict.references = std::move(judged.rows);
   note_unstated_errors(reference, judged.drift, verdict);
+  if (judged.left_out > 0) {
+    verdict.notes.push_back(
+        fmt::format("reference: {} number{} not judged, because it is not clear whether the component is unique there",
+                    judged.left_out, judged.left_out == 1 ? " is" : "s are"));
+  }
   find_conventions(standard, as_named, verdict);
   add_findings(as_stated, reference, verdict);
   if (verdict.outcome != Outcome::agree) return;

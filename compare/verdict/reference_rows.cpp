@@ -17,7 +17,8 @@ namespace concord::compare {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-constexpr double kRoundOff = 1e-14;
+constexpr double kRoundOff = 1e-14;      // of the machine's largest number
+constexpr double kOfSelfStress = 1e-12;  // the same of what self-stresses explain
 
 /// What a reference says of the owner of a column, and the runs, at those of its times at which the column has a number
 /// that follows from the machine alone there; if there is none, at all at which it has one.
@@ -144,6 +145,11 @@ void keep_for_pictures(const Reference& reference, const ReferenceColumn& column
   }
 }
 
+/// Whether a reference says a number at time `k` that is not unique for both solvers.
+bool may_be_many(std::size_t k, const Standard& standard, const ReferenceColumn& said) {
+  return !std::isnan(said.values[k]) && !said.column.is_own && std::isnan(value_of(said.column, *standard.known[k]));
+}
+
 /// What no self-stress explains of the differences at time `k`: a number for each column, in its error, which a sum of
 /// n squares that are at most 1 each does not exceed; NaN for a column that is unique there, or moved by none.
 VecX unexplained_at(std::size_t k, const Standard& standard, const Reference& reference,
@@ -156,10 +162,9 @@ VecX unexplained_at(std::size_t k, const Standard& standard, const Reference& re
   VecX sizes = VecX::Zero(columns);
   for (Eigen::Index c = 0; c < columns; ++c) {
     const auto index = static_cast<std::size_t>(c);
+    if (!may_be_many(k, standard, reference.columns[index])) continue;
     const Column& column = reference.columns[index].column;
     const double said = reference.columns[index].values[k];
-    const bool is_unique = !std::isnan(value_of(column, *standard.known[k]));
-    if (std::isnan(said) || is_unique || column.is_own) continue;
     const double unit = std::max(rows[index].allowed, std::numeric_limits<double>::min());
     for (std::size_t m = 0; m < members.size(); ++m) {
       moves(c, static_cast<Eigen::Index>(m)) = value_of(column, members[m]) / unit;
@@ -178,14 +183,15 @@ VecX unexplained_at(std::size_t k, const Standard& standard, const Reference& re
   return is_moved.select(left.cwiseAbs() / std::sqrt(static_cast<double>(is_moved.count())), kNothing);
 }
 
-/// Judges the columns where they are one of many.
-void judge_one_of_many(const Standard& standard, const Reference& reference, std::vector<ReferenceRow>& rows) {
+/// Judges the columns where they are one of many. Returns how many numbers are neither that nor unique.
+int judge_one_of_many(const Standard& standard, const Reference& reference, std::vector<ReferenceRow>& rows) {
+  int left_out = 0;
   for (std::size_t k = 0; k < reference.times.size(); ++k) {
-    if (standard.self_stresses[k].empty()) continue;
     const VecX unexplained = unexplained_at(k, standard, reference, rows);
     for (std::size_t c = 0; c < rows.size(); ++c) {
       const double left = unexplained(static_cast<Eigen::Index>(c));
       ReferenceRow& row = rows[c];
+      if (std::isnan(left) && may_be_many(k, standard, reference.columns[c])) ++left_out;
       if (std::isnan(left) || row.word == ReferenceWord::wrong) continue;
       if (left <= 1.0) {
         row.word = ReferenceWord::one_of_many;
@@ -199,6 +205,7 @@ void judge_one_of_many(const Standard& standard, const Reference& reference, std
       row.hint = "it is one of many there, but no self-stress explains it together with the other columns";
     }
   }
+  return left_out;
 }
 
 }  // namespace
@@ -267,10 +274,10 @@ JudgedRows judge_rows(const Standard& standard, const Reference& reference) {
     row.component = describe_component(column.column);
     row.unit = column.column.unit;
     row.allowed = std::max(error_of(column, standard.runs.verdict, times.reference, largest, judged.drift),
-                           times.is_judged ? left_open(times.runs, column.column, largest) : kRoundOff * largest);
+                           times.is_judged ? left_open(times.runs, column.column, largest) : kOfSelfStress * largest);
     measure_row(times.runs, times.reference, column, times.is_judged, row);
   }
-  judge_one_of_many(standard, reference, judged.rows);
+  judged.left_out = judge_one_of_many(standard, reference, judged.rows);
   return judged;
 }
 

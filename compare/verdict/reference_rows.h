@@ -40,12 +40,13 @@ Standard re_expressed(const Standard& standard, const Conventions& conventions);
 struct JudgedRows {
   std::vector<ReferenceRow> rows;  // one for each column
   double drift = 0.0;              // that counts as an error where none is stated, of the peak (drift_of)
+  int left_out = 0;                // numbers that may be one of many, which is not clear
 };
 
 /// Holds every column of a reference, whose conventions are concord's, against both solvers. Where it is unique it is
 /// equal if neither is off by more than the error of its source. Where it is one of many, the differences of all such
 /// columns at that time must be one sum of multiples of the self-stresses, but for those errors: each column is then
-/// one of infinitely many, and else wrong. Times at which neither holds are left out.
+/// one of infinitely many, and else wrong. What is neither is left out.
 JudgedRows judge_rows(const Standard& standard, const Reference& reference);
 
 /// What a column that is wrong would fit; see what_would_fit().

@@ -412,6 +412,7 @@ TEST_F(ReferenceTest, AColumnIsJudgedAtTheTimesAtWhichItIsUnique) {
   EXPECT_TRUE(good.references.at(0).word != ReferenceWord::not_judged);
   EXPECT_FALSE(good.references.at(1).word != ReferenceWord::not_judged);
   EXPECT_EQ(good.references[1].component, "any_T_y");
+  EXPECT_THAT(good.notes.back(), HasSubstr("reference: 1 number is not judged, because it is not clear whether"));
   EXPECT_EQ(against(fmt::format("0.1,{},0\n0.3,nan,0\n", value)).outcome, Outcome::agree);
   EXPECT_EQ(against(fmt::format("0.1,{},0\n0.3,nan,0\n", value + 1e3)).references.at(0).line, 3);
   EXPECT_EQ(against(fmt::format("0.1,{},0\n0.3,nan,0\n", value + 1e3)).outcome, Outcome::differ);
