@@ -77,8 +77,10 @@ bool is_told_of(const Verdict& verdict, const std::string& check) {
   });
 }
 
+/// What is one of infinitely many is no miss.
 bool misses_reference(const Verdict& verdict) {
-  return std::any_of(verdict.references.begin(), verdict.references.end(), is_off);
+  return std::any_of(verdict.references.begin(), verdict.references.end(),
+                     [](const ReferenceRow& row) { return is_off(row) && row.word != ReferenceWord::one_of_many; });
 }
 
 std::string first_check_below_need(const Verdict& verdict) {
@@ -89,7 +91,8 @@ std::string first_check_below_need(const Verdict& verdict) {
   if (!verdict.same_run.passed) return "same run";
   if (!verdict.refined.passed) return "refined";
   if (misses_reference(verdict)) return "reference";
-  return verdict.outcome == Outcome::agree ? kNotCaught : "energy";
+  const bool is_of_many = std::any_of(verdict.references.begin(), verdict.references.end(), is_off);
+  return verdict.outcome == Outcome::agree || (is_of_many && keeps_energy(verdict)) ? kNotCaught : "energy";
 }
 
 struct Judged {
