@@ -67,7 +67,7 @@ concord.Picture = class {
   /** What a body is drawn as: `points` between which rods lie, `beam` nodes, `box` of its inertia, `wheel`. */
   shapeOf(body, i) {
     const beam = this.nodesInLine(body.points || []);
-    if (beam) return { beam };
+    if (beam) return { beam, arms: this.armsOf(beam, i) };
     if (this.tires.some((tire) => tire.child.body === i)) return { wheel: true, points: this.pointsOf(i) };
     const points = this.pointsOf(i);
     const slides = this.machine.joints.some((joint) => this.slides.test(joint.type) && (joint.parent.body === i || joint.child.body === i));
@@ -92,6 +92,12 @@ concord.Picture = class {
     const isOff = (node) => concord.distance(node.point, concord.plus(first, concord.scaled(place(node), along))) > 0.1 * length;
     if (!(length > 0) || nodes.some(isOff)) return null;
     return [...nodes].sort((a, b) => place(a) - place(b));
+  }
+
+  /** Ends that stand off a beam, each with the node from which its arm leads there. */
+  armsOf(nodes, i) {
+    const nearest = (at) => nodes.reduce((best, node) => (concord.distance(node.point, at) < concord.distance(best.point, at) ? node : best));
+    return this.pointsOf(i).map((end) => [nearest(end.point), end]).filter(([node, end]) => concord.distance(node.point, end.point) > 0.01 * this.size);
   }
 
   /** Different ends on a body. */
@@ -170,6 +176,7 @@ concord.Picture = class {
     const pose = bodies[i];
     if (shape.beam) {
       painter.rod(this.alongNodes(pose, shape.beam), this.width, colours);
+      shape.arms.forEach((arm) => painter.rod(this.alongNodes(pose, arm), 0.6 * this.width, colours));
       return;
     }
     if (shape.box) this.drawBox(painter, this.corners(pose, body), colours);
