@@ -51,7 +51,14 @@ struct WordStart {
   /// n_q and n_u numbers of the word; zero (for a ball: no rotation) unless the model says otherwise.
   VecX q;
   VecX u;
+  /// How far each of these may lie from where the machine closes, where more is kept than it has freedoms: half a unit
+  /// of the last written digit [m, rad, per s]. Empty: kWrittenExactly of the number, at least of 1.
+  VecX slack_q = {};
+  VecX slack_u = {};
 };
+
+/// How exactly a number is meant that is no decimal fraction: a whole one, or an expression.
+inline constexpr double kWrittenExactly = 1e-9;
 
 /// Prescribes one coordinate of a joint (a turn or a slide): q = law(t) (S25).
 struct Driver {
@@ -129,6 +136,8 @@ struct Model {
   std::vector<ForceElement> elements;
   RunSettings run;
   std::vector<NeedOverride> needs;
+  /// What was put right while reading, each with its place: "crank.toml:12:9: ...".
+  std::vector<std::string> notes;
 
   [[nodiscard]] bool is_flexible() const;
   /// Whether a coupling relates a coordinate of joint k.

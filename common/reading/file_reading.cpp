@@ -22,6 +22,19 @@ SourceLocation FileReading::at(const toml::source_region& region) const {
   return {file, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
 }
 
+std::string FileReading::word_at(const toml::source_region& region) const {
+  std::size_t at = 0;
+  for (auto line = region.begin.line; line > 1 && at < text.size(); --line) at = text.find('\n', at) + 1;
+  const auto goes_on = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };  // a byte of a letter
+  for (auto column = region.begin.column; column > 1 && at < text.size(); --column) {
+    do {
+      ++at;
+    } while (at < text.size() && goes_on(text[at]));
+  }
+  if (at >= text.size()) return "";
+  return text.substr(at, text.find_first_of(" \t\r\n,]}#", at) - at);
+}
+
 void FileReading::complain(const SourceLocation& where, std::string message) {
   complaints.push_back({where, std::move(message)});
   if (complaints.size() < kMostComplaints) return;

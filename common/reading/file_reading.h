@@ -17,8 +17,11 @@ namespace concord {
 /// What all readers of one file share.
 struct FileReading {
   std::string file;
+  std::string text;
   Parameters parameters;
   std::vector<Diagnostic> complaints;
+  /// What was put right.
+  std::vector<Diagnostic> notes;
   /// What stands in the model before the names that an included file defines; empty for the model file.
   std::string prefix;
   /// Names that the file, or a file that it includes, defines, as this file spells them: for "body", "joint", "road".
@@ -32,6 +35,8 @@ struct FileReading {
   [[nodiscard]] std::string name_in_file(std::string_view kind, const std::string& name) const;
   [[nodiscard]] bool defines(std::string_view kind, const std::string& name) const;
 
+  /// The word of the text that stands there, up to a blank, comma, bracket or comment.
+  [[nodiscard]] std::string word_at(const toml::source_region& region) const;
   [[nodiscard]] SourceLocation at(const toml::source_region& region) const;
   /// Throws InputError with all complaints when they become too many to be read.
   void complain(const SourceLocation& where, std::string message);

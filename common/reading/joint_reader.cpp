@@ -49,6 +49,9 @@ WordStart unsaid(const joints::Permit& word) {
   WordStart start;
   start.q = joints::home_of(word);
   start.u = VecX::Zero(n_u(word));
+  if (is_orientation(word)) return start;
+  start.slack_q = VecX::Constant(start.q.size(), kWrittenExactly);
+  start.slack_u = VecX::Constant(start.u.size(), kWrittenExactly);
   return start;
 }
 
@@ -64,11 +67,16 @@ WordStart read_coordinate_start(const TableReader& table, const joints::Permit& 
   WordStart start;
   start.role_q = read_role(table, "keep", "guess");
   start.role_u = read_role(table, "keep_speed", "guess_speed");
+  const bool is_one = !is_orientation(word);
   if (start.role_q != StartRole::unsaid) {
-    start.q = read_q(table, start.role_q == StartRole::keep ? "keep" : "guess", word).value_or(VecX());
+    const char* const key = start.role_q == StartRole::keep ? "keep" : "guess";
+    start.q = read_q(table, key, word).value_or(VecX());
+    if (is_one && start.q.size() == 1) start.slack_q = VecX::Constant(1, table.slack_of(key));
   }
   if (start.role_u != StartRole::unsaid) {
-    start.u = read_u(table, start.role_u == StartRole::keep ? "keep_speed" : "guess_speed", word).value_or(VecX());
+    const char* const key = start.role_u == StartRole::keep ? "keep_speed" : "guess_speed";
+    start.u = read_u(table, key, word).value_or(VecX());
+    if (is_one && start.u.size() == 1) start.slack_u = VecX::Constant(1, table.slack_of(key));
   }
   return start;
 }
@@ -80,6 +88,8 @@ void enter(const WordStart& said, int component, WordStart& word) {
   };
   put(said.q, word.q);
   put(said.u, word.u);
+  put(said.slack_q, word.slack_q);
+  put(said.slack_u, word.slack_u);
   word.role_q = std::max(word.role_q, said.role_q);
   word.role_u = std::max(word.role_u, said.role_u);
 }

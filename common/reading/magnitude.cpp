@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <limits>
 #include <utility>
 
@@ -326,6 +327,14 @@ void check_element(const ForceElement& element, const MachineSizes& sizes, Produ
 
 std::string complaint_about_size(double value) {
   return fmt::format("must be zero or of a size from {} to {}, found {}", kSmallestSize, kLargestSize, value);
+}
+
+double rounding_of(const std::string& text) {
+  const std::size_t exponent = std::min(text.find_first_of("eE"), text.size());
+  const std::size_t point = text.find('.');
+  const double decimals = point < exponent ? static_cast<double>(exponent - point - 1) : 0.0;
+  const double power = exponent < text.size() ? std::strtod(text.c_str() + exponent + 1, nullptr) : 0.0;
+  return 0.5 * std::pow(10.0, power - decimals);
 }
 
 bool stays_usable(const TimeFunction& law, double until) {

@@ -23,6 +23,9 @@ inline bool has_usable_size(double value) {
 /// "must be zero or of a size from 1e-150 to 1e+150, found 3e+200": goes on after what the number is called.
 std::string complaint_about_size(double value);
 
+/// Half of the last digit of a number as it is written: 5e-5 of "0.0333", 50 of "2.0e3".
+double rounding_of(const std::string& text);
+
 /// Whether all entries of a result are finite and at most kLargestSize; round-off may leave any small number.
 inline bool are_bounded(const MatX& matrix) { return (matrix.array().abs() <= kLargestSize).all(); }
 

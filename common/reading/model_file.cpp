@@ -243,6 +243,18 @@ void check_parameters(const std::map<std::string, double>& parameters, ModelPart
   }
 }
 
+/// What was put right, with its place; what is said of a file that is included twice is told once.
+std::vector<std::string> notes_of(const ModelParts& parts) {
+  std::vector<std::string> notes;
+  for (const ModelPart& part : parts) {
+    for (const auto& [where, message] : part.reading.notes) {
+      std::string note = fmt::format("{}:{}:{}: {}", where.file, where.line, where.column, message);
+      if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
+    }
+  }
+  return notes;
+}
+
 bool has_complaints(const ModelParts& parts) {
   return std::any_of(parts.begin(), parts.end(),
                      [](const ModelPart& part) { return !part.reading.complaints.empty(); });
@@ -288,6 +300,7 @@ Model model_of(ModelParts& parts, const std::filesystem::path& file) {
     for (Diagnostic& complaint : complaints_about_products(model)) tell(std::move(complaint), parts);
   }
   throw_if_any(parts);
+  model.notes = notes_of(parts);
   return model;
 }
 

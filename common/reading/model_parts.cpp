@@ -103,6 +103,7 @@ class PartsReader {
   ModelPart& read(std::string_view text, const Inclusion& inclusion) {
     ModelPart& part = parts_->emplace_back();
     part.reading.file = inclusion.file.generic_string();
+    part.reading.text = text;
     part.reading.prefix = inclusion.prefix;
     part.reading.includer = inclusion.includer;
     part.included_from = inclusion.included_from;

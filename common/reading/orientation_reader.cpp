@@ -42,7 +42,8 @@ Mat3 from_columns(const std::array<std::optional<Vec3>, 3>& axes) {
 }
 
 std::optional<Mat3> read_axes(const TableReader& table) {
-  constexpr double kSlack = 1e-9;
+  constexpr double kSlack = 1e-6;      // rad
+  constexpr double kRoundOff = 1e-12;  // of expressions
   std::array<std::optional<Vec3>, 3> axes;
   KnownKeys given;
   bool readable = true;
@@ -60,10 +61,16 @@ std::optional<Mat3> read_axes(const TableReader& table) {
   const Vec3& first = axes[given.front().front() - 'x'].value();
   const Vec3& second = axes[given.back().front() - 'x'].value();
   const double angle = angle_between(first, second);
-  if (std::abs(angle - std::numbers::pi / 2.0) > kSlack) {
+  const double off = std::abs(angle - std::numbers::pi / 2.0);
+  if (off >= kSlack) {
     table.complain(given.back(), fmt::format("axes {} and {} must be perpendicular, but they enclose {:.10g} deg",
                                              given.front(), given.back(), angle * 180.0 / std::numbers::pi));
     return std::nullopt;
+  }
+  if (off > kRoundOff) {
+    const std::string_view turned = given.back() == "z" ? given.front() : given.back();
+    table.note(given.back(), fmt::format("axes {} and {} are {:.2g} rad off square: {} is turned to be perpendicular",
+                                         given.front(), given.back(), off, turned));
   }
   return from_columns(axes);
 }

@@ -15,8 +15,8 @@ bool says_orientation(const TableReader& table);
 
 /// The orientation that a table says: a rotation whose columns are the axes of the described frame, in the axes of the
 /// frame it is described in. One of
-///   two of `x`, `y`, `z`: axes of the described frame, perpendicular within 1e-9 rad, any length (z, or else x, is
-///                         kept exactly in direction);
+///   two of `x`, `y`, `z`: axes of the described frame, perpendicular to less than 1e-6 rad, any length (z, or else x,
+///                         is kept exactly in direction, and a note tells by how much the other one was turned);
 ///   `axis`, `angle`: turned by an angle [rad] about an axis;
 ///   `sequence`, `angles`: turned about its own axes one after the other, "zxz" and three angles [rad];
 ///   `rotation_vector`: axis times angle [rad];

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <iterator>
+#include <numbers>
 #include <utility>
 
 #include "common/reading/magnitude.h"
@@ -124,6 +126,22 @@ std::optional<std::vector<double>> TableReader::numbers_of(const toml::node& nod
 
 std::optional<double> TableReader::number(std::string_view key) const {
   return has(key) ? number_of(*node(key), fmt::format("'{}'", key)) : std::nullopt;
+}
+
+double TableReader::slack_of(std::string_view key) const {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  const toml::node& found = *node(key);
+  const std::string written = found.is_string() ? **found.as_string() : reading_->word_at(found.source());
+  char* end = nullptr;
+  const double number = std::strtod(written.c_str(), &end);
+  const std::string digits = written.substr(0, static_cast<std::size_t>(end - written.c_str()));
+  std::string unit(end);
+  std::erase(unit, ' ');
+  const std::size_t point = digits.find('.');
+  const bool is_decimal = point != std::string::npos && point + 1 < digits.find_first_of("eE") &&
+                          point + 1 < digits.size() && (unit.empty() || unit == "deg");
+  if (is_decimal) return rounding_of(digits) * (unit.empty() ? 1.0 : kDegree);
+  return kWrittenExactly * std::max(1.0, std::abs(number));
 }
 
 std::optional<double> TableReader::positive_number(std::string_view key) const {
@@ -250,6 +268,11 @@ std::vector<const toml::table*> TableReader::tables(std::string_view key) const 
   std::vector<const toml::table*> found;
   for (const toml::node& entry : *node(key)->as_array()) found.push_back(entry.as_table());
   return found;
+}
+
+void TableReader::note(std::string_view key, std::string_view message) const {
+  reading_->notes.push_back(
+      {where(key), title_.empty() ? std::string(message) : fmt::format("{}: {}", title_, message)});
 }
 
 void TableReader::complain(std::string_view key, std::string_view message) const { complain_at(where(key), message); }

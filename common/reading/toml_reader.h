@@ -37,6 +37,9 @@ class TableReader {
   bool require_one_of(const KnownKeys& keys) const;
 
   [[nodiscard]] std::optional<double> number(std::string_view key) const;
+  /// Half a unit of the last digit of a number that is written as a decimal fraction, or as one in degrees ("26.2
+  /// deg"); kWrittenExactly of any other, at least of 1.
+  [[nodiscard]] double slack_of(std::string_view key) const;
   [[nodiscard]] std::optional<double> positive_number(std::string_view key) const;
   [[nodiscard]] std::optional<double> number_not_negative(std::string_view key) const;
   /// A whole number of at least `smallest` and at most `largest`.
@@ -61,6 +64,8 @@ class TableReader {
   /// The value as TOML has it, or nullptr.
   [[nodiscard]] const toml::node* node(std::string_view key) const;
 
+  /// Tells what was put right at the value of a key.
+  void note(std::string_view key, std::string_view message) const;
   /// Complains at the value of a key (at the table if it is missing).
   void complain(std::string_view key, std::string_view message) const;
   /// Complains of the table.

@@ -80,6 +80,7 @@ int analyse_model(const AnalysisCommand& command, const SolverMakers& makers, co
     AnalysisVerdict result = judge(command, model, makers);
     result.wrenches.trajectories = near.back(std::move(result.wrenches.trajectories));
     if (!near.note().empty()) result.text = fmt::format("note: {}\n{}", near.note(), result.text);
+    for (const std::string& note : model.notes) console.out << fmt::format("note: {}\n", note);
     console.out << shown(console, format_analysis(model, result, command.all_rows)) << std::flush;
     if (!command.out.empty()) write_results(command.out, model, result);
     if (!command.json.empty()) write_file(command.json, format_analysis_json(model, result));

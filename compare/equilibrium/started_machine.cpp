@@ -38,7 +38,7 @@ Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& 
   return started_at(model, found[0].state);
 }
 
-StartedMachine::StartedMachine(const Model& given, const SolverMakers& makers) : near_(given) {
+StartedMachine::StartedMachine(const Model& given, const SolverMakers& makers) : near_(given), notes_(given.notes) {
   std::string start;
   model_ = as_it_starts(near_.model(), makers, start);
   std::string branch;

@@ -27,7 +27,8 @@ class StartedMachine {
 
   [[nodiscard]] const Model& model() const { return model_; }
   [[nodiscard]] Solver& solver(Who who) const { return *solvers_[index(who)]; }
-  /// Notes on the frames, on the equilibrium and on the branch, where there is something to tell.
+  /// What was put right while reading, and notes on the frames, on the equilibrium and on the branch, where there is
+  /// something to tell.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
   /// Motions as those of the frames of the model as it was given: of a run, or of those of both solvers. Throws as
   /// NearFrames::back() does.

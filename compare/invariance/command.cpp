@@ -41,6 +41,7 @@ Tried try_one(const std::filesystem::path& file, const InvarianceCommand& comman
   const NearFrames near(one.model);
   one.model = as_it_starts(near.model(), makers, note);
   one.checks = check_invariance(one.model, makers, command.options);
+  one.checks.notes.insert(one.checks.notes.end(), one.model.notes.begin(), one.model.notes.end());
   for (const std::string& one_note : {near.note(), note}) {
     if (!one_note.empty()) one.checks.notes.push_back(one_note);
   }

@@ -79,15 +79,6 @@ std::optional<double> number_in(const std::string& text) {
   return value;
 }
 
-/// Half of the last digit of a number that number_in() reads: 5e-5 of "0.0333", 50 of "2.0e3".
-double rounding_of(const std::string& text) {
-  const std::size_t exponent = std::min(text.find_first_of("eE"), text.size());
-  const std::size_t point = text.find('.');
-  const double decimals = point < exponent ? static_cast<double>(exponent - point - 1) : 0.0;
-  const double power = exponent < text.size() ? number_in(text.substr(exponent + 1)).value_or(0.0) : 0.0;
-  return 0.5 * std::pow(10.0, power - decimals);
-}
-
 /// Digits of a number as it is written, without leading zeros: 5 of "-0.10200", 3 of "1.05e-7", none of "0.0".
 int digits_of(const std::string& text) {
   const std::string mantissa = text.substr(0, text.find_first_of("eE"));

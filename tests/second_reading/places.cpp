@@ -15,26 +15,20 @@ namespace {
 
 Mat3 turn(const Vec3& axis, double angle) { return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix(); }
 
-/// The frame with two of its axes, the third from the right-hand rule.
+/// The frame with two of its axes: z, or else x, is kept, the one that is left out stands on both, and the other one
+/// where these two say.
 StatedFrame frame_of_axes(const StatedTable& table) {
-  std::array<std::optional<Vec3>, 3> given{table.vector("x"), table.vector("y"), table.vector("z")};
-  int missing = -1;
-  for (int k = 0; k < 3; ++k) {
-    if (given[k]) {
-      given[k]->normalize();
-    } else {
-      missing = k;
-    }
-  }
-  if (missing < 0) throw std::runtime_error("a frame of three axes");
-  const int second = (missing + 1) % 3;
-  const int third = (missing + 2) % 3;
-  if (!given[second] || !given[third]) throw std::runtime_error("a frame of one axis");
+  const std::array<std::optional<Vec3>, 3> given{table.vector("x"), table.vector("y"), table.vector("z")};
+  const auto count = std::count_if(given.begin(), given.end(), [](const auto& axis) { return axis.has_value(); });
+  if (count != 2) throw std::runtime_error("a frame of another number of axes than two");
+  const int kept = given[2] ? 2 : 0;
+  const int missing = !given[0] ? 0 : !given[1] ? 1 : 2;
   StatedFrame frame;
-  frame.R.col(second) = *given[second];
-  frame.R.col(third) = *given[third];
-  frame.R.col(missing) = given[second]->cross(*given[third]).normalized();
-  frame.doubt = std::min(1e-9, std::abs(given[second]->dot(*given[third])));  // as far as the format takes them
+  frame.R.col(kept) = given[kept]->normalized();
+  frame.R.col(missing) = given[(missing + 1) % 3]->normalized().cross(given[(missing + 2) % 3]->normalized());
+  frame.R.col(missing).normalize();
+  const int other = 3 - kept - missing;
+  frame.R.col(other) = Vec3(frame.R.col((other + 1) % 3)).cross(Vec3(frame.R.col((other + 2) % 3)));
   return frame;
 }
 

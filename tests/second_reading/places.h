@@ -8,7 +8,7 @@
 
 namespace concord::second_reading {
 
-/// An orientation that a file states, and what of it the file leaves open: two axes that are not quite perpendicular.
+/// An orientation that a file states, and what of it the file leaves open: the many turns of a long rotation vector.
 struct StatedFrame {
   Mat3 R = Mat3::Identity();
   double doubt = 0.0;

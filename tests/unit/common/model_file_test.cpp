@@ -1,6 +1,7 @@
 #include "common/reading/model_file.h"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -104,6 +105,43 @@ TEST(ModelFile, EveryWayToSayAFrameMeansTheSame) {
   expect_C(fmt::format("sequence = \"zyx\", angles = [{}, {}, {}]", yaw, pitch, roll));
   EXPECT_EQ(frame_from("point = [1, 2, 3]"), Mat3(Mat3::Identity()));
   EXPECT_EQ(frame_from("rotation_vector = [0, 0, 0]"), Mat3(Mat3::Identity()));
+}
+
+TEST(ModelFile, AxesALittleOffSquareAreSquaredAndTold) {
+  const auto with_x = [](const std::string& x) {
+    std::string text(kSoundModel);
+    const std::string own = "x = [0, 1, 0], z = [1, 0, 0]";
+    text.replace(text.find(own), own.size(), "x = [" + x + ", 1, 0], z = [1, 0, 0]");
+    return parse_model(text, "m.toml");
+  };
+  const Model squared = with_x("-9e-7");
+  EXPECT_THAT(squared.notes, testing::ElementsAre("m.toml:31:52: joint 'A', parent: axes x and z are 9e-07 rad off "
+                                                  "square: x is turned to be perpendicular"));
+  EXPECT_EQ(squared.joints[0].on(Side::parent).C, with_x("0").joints[0].on(Side::parent).C);
+  EXPECT_THAT(with_x("0").notes, testing::IsEmpty());
+  EXPECT_THAT(with_x("1e-14").notes, testing::IsEmpty());  // round-off of expressions
+  EXPECT_THROW(with_x("1.1e-6"), InputError);
+}
+
+/// Half a unit of the last written digit; of what is no decimal fraction 1e-9.
+TEST(ModelFile, StartsKnowHowManyOfTheirDigitsAreWritten) {
+  const auto slack = [](const std::string& written) {
+    std::string text(kSoundModel);
+    const std::string own = "start.turn_z = { keep = \"30 deg\", keep_speed = 2 }";
+    text.replace(text.find(own), own.size(), "# äö\nstart.turn_z = { keep = " + written + ", keep_speed = 1.50 } # äö");
+    const Model model = parse_model(text, "m.toml");
+    EXPECT_DOUBLE_EQ(model.joints[0].start[0].slack_u(0), 0.005);
+    return model.joints[0].start[0].slack_q(0);
+  };
+  EXPECT_DOUBLE_EQ(slack("0.158"), 0.0005);
+  EXPECT_DOUBLE_EQ(slack("-1.500"), 0.0005);
+  EXPECT_DOUBLE_EQ(slack("1.5e-2"), 0.0005);
+  EXPECT_DOUBLE_EQ(slack("\"26.2 deg\""), 0.05 * kRadiansPerDegree);
+  EXPECT_DOUBLE_EQ(slack("\"0.25\""), 0.005);
+  EXPECT_DOUBLE_EQ(slack("2"), 2e-9);
+  EXPECT_DOUBLE_EQ(slack("\"26 deg\""), 26e-9);
+  EXPECT_DOUBLE_EQ(slack("\"0.5 * pi\""), 1e-9);
+  EXPECT_DOUBLE_EQ(slack("\"sqrt(0.25)\""), 1e-9);
 }
 
 TEST(ModelFile, BothSaysTheSameOnEitherSide) {
