@@ -54,6 +54,75 @@ std::vector<StartWord> start_words(const Model& model) {
   return words;
 }
 
+std::vector<StartWord> kept_words(const Model& model, StartRole WordStart::*role) {
+  std::vector<StartWord> words = start_words(model);
+  std::erase_if(words,
+                [&](const StartWord& one) { return model.joints[one.joint].start[one.word].*role != StartRole::keep; });
+  return words;
+}
+
+Model keeping_only(Model model, const std::vector<StartWord>& coordinates, const std::vector<StartWord>& speeds) {
+  const auto guess_others = [&](const std::vector<StartWord>& kept, StartRole WordStart::*role) {
+    for (const StartWord& word : kept_words(model, role)) {
+      const bool stays = std::any_of(kept.begin(), kept.end(), [&](const StartWord& one) {
+        return one.joint == word.joint && one.word == word.word;
+      });
+      if (!stays) model.joints[word.joint].start[word.word].*role = StartRole::guess;
+    }
+  };
+  guess_others(coordinates, &WordStart::role_q);
+  guess_others(speeds, &WordStart::role_u);
+  return model;
+}
+
+double slack_of(const VecX& slack, const VecX& kept, int entry) {
+  const double exactly = kWrittenExactly * std::max(1.0, std::abs(kept(entry)));
+  return slack.size() > entry ? std::max(slack(entry), exactly) : exactly;
+}
+
+namespace {
+
+/// "turn_z of joint 'C' is 0.812, where 0.7 is kept to 0.05": entries of a word that are off by more; of a ball all.
+void add_missed(const std::string& name, const VecX& found, const VecX& kept, const VecX& slack,
+                std::vector<std::string>& missed) {
+  for (int c = 0; c < kept.size(); ++c) {
+    const double allowed = slack_of(slack, kept, c);
+    if (std::abs(found(c) - kept(c)) <= allowed) continue;
+    missed.push_back(fmt::format("{} is {:.9g}, where {:.9g} is kept to {:.2g}", name, found(c), kept(c), allowed));
+  }
+}
+
+}  // namespace
+
+void require_written(const Model& model, const Model& fewer, const std::vector<VecX>& q, const std::vector<VecX>& u) {
+  std::vector<std::string> missed;
+  const SourceLocation* where = nullptr;
+  for (const StartWord& word : start_words(model)) {
+    const Joint& joint = model.joints[word.joint];
+    const WordStart& said = joint.start[word.word];
+    const std::string name = names_of(model, {word});
+    if (said.role_q == StartRole::keep) {
+      VecX found = q[word.joint].segment(first_q(*joint.type, word.word), said.q.size());
+      VecX kept = said.q;
+      if (joints::is_orientation(joint.type->permits[word.word])) {
+        kept.normalize();
+        if (found.dot(kept) < 0.0) kept = -kept;
+      }
+      add_missed(name, found, kept, said.slack_q, missed);
+    }
+    if (said.role_u == StartRole::keep) {
+      const VecX found = u[word.joint].segment(first_u(*joint.type, word.word), said.u.size());
+      add_missed("the speed of " + name, found, said.u, said.slack_u, missed);
+    }
+    if (where == nullptr && !missed.empty()) where = &joint.where;
+  }
+  if (where == nullptr) return;
+  throw StartNotFound(*where,
+                      fmt::format("the start keeps more than the machine has freedoms, and the values contradict each "
+                                  "other: with {} as kept, {}: correct these values, or keep fewer",
+                                  names_of(model, kept_words(fewer, &WordStart::role_q)), fmt::join(missed, "; ")));
+}
+
 std::string names_of(const Model& model, std::vector<StartWord> words) {
   std::sort(words.begin(), words.end(), [](const StartWord& a, const StartWord& b) {
     return std::pair(a.joint, a.word) < std::pair(b.joint, b.word);

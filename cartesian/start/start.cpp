@@ -4,9 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "cartesian/bodies/euler_parameters.h"
 #include "cartesian/bodies/joint_coordinates.h"
 #include "cartesian/dynamics/evaluation.h"
 #include "cartesian/rank/closing.h"
@@ -160,9 +162,7 @@ void refuse_dependent(const Model& model, const KeptCount& kept) {
                                kept.independent_speeds, kept.speeds));
 }
 
-}  // namespace
-
-Start assemble_start(Equations& equations) {
+Start assemble_as_said(Equations& equations) {
   const Model& model = equations.model();
   VecX q = VecX::Zero(equations.layout().n_q());
   VecX Y = VecX::Zero(equations.layout().n_Y());
@@ -182,6 +182,60 @@ Start assemble_start(Equations& equations) {
   if (!closed.closing.closed) refuse_open_start(equations, closed.closing, q, Y);
   refuse_dependent(model, kept);
   return {reported_state(equations, q, Y, turns), closed.searched};
+}
+
+/// Those of the kept words that come first and fix the machine; all where they are no more than that. Nothing where
+/// kept words alone do not.
+std::optional<std::vector<StartWord>> first_independent(Equations& equations, const VecX& q, const VecX& Y, Kept what,
+                                                        bool has_surplus) {
+  const auto role = what == Kept::coordinates ? &WordStart::role_q : &WordStart::role_u;
+  const Model& model = equations.model();
+  if (!has_surplus) return kept_words(model, role);
+  std::vector<StartWord> words = words_to_keep(equations, 0.0, q, Y, what);
+  const bool are_kept = std::all_of(words.begin(), words.end(), [&](const StartWord& one) {
+    return model.joints[one.joint].start[one.word].*role == StartRole::keep;
+  });
+  return are_kept && !words.empty() ? std::optional(std::move(words)) : std::nullopt;
+}
+
+/// The model that keeps no more than the machine has freedoms, with guesses near all that it kept; nothing where it
+/// does so as it is, or where this cannot be told.
+std::optional<Model> without_surplus(Equations& equations) {
+  VecX q = VecX::Zero(equations.layout().n_q());
+  VecX Y = VecX::Zero(equations.layout().n_Y());
+  try {
+    if (!close_without_kept(equations, q, Y).places_closed) return std::nullopt;
+  } catch (const SolverError&) {
+    return std::nullopt;  // a deformation out of range on the way
+  }
+  const KeptCount kept = count_kept(equations, 0.0, q, Y, false);
+  const bool has_coordinates = kept.coordinates > kept.coordinate_freedom;
+  const bool has_speeds = kept.speeds - kept.speed_freedom > kept.speeds_kept_as_wholes;
+  if (!has_coordinates && !has_speeds) return std::nullopt;
+  const auto coordinates = first_independent(equations, q, Y, Kept::coordinates, has_coordinates);
+  const auto speeds = first_independent(equations, q, Y, Kept::speeds, has_speeds);
+  if (!coordinates || !speeds) return std::nullopt;
+  Model fewer = keeping_only(equations.model(), *coordinates, *speeds);
+  const Layout& layout = equations.layout();
+  for (const BodyIndex i : layout.moving_bodies()) {
+    fewer.bodies[i.value].pose_guess = Pose{layout.r(q, i), rotation_of(Vec4(layout.p(q, i)).normalized())};
+  }
+  return fewer;
+}
+
+}  // namespace
+
+Start assemble_start(Equations& equations) {
+  try {
+    return assemble_as_said(equations);
+  } catch (const InputError&) {
+    const std::optional<Model> fewer = without_surplus(equations);
+    if (!fewer) throw;
+    Equations of_fewer(*fewer);
+    Start start = assemble_as_said(of_fewer);
+    require_written(equations.model(), *fewer, start.state.q, start.state.u);
+    return start;
+  }
 }
 
 }  // namespace concord::cartesian

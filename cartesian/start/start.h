@@ -11,9 +11,10 @@ struct Start {
   bool searched = false;  // closed from another start than the guesses
 };
 
-/// Closes the machine at its start (close_start), with the values that its model keeps. Throws InputError where they
-/// are not as many as the machine has degrees of freedom, depend on each other or contradict each other, or where the
-/// guesses do not lead to a pose that closes.
+/// Closes the machine at its start (close_start), with the values that its model keeps. Where these are more than it
+/// has degrees of freedom the first independent ones are met, and the others as far as they are written. Throws
+/// InputError where they are fewer, depend on each other or contradict each other, or where the guesses do not lead to
+/// a pose that closes.
 Start assemble_start(Equations& equations);
 
 }  // namespace concord::cartesian

@@ -179,4 +179,9 @@ ClosedStart close_start(Equations& equations, VecX& q, VecX& Y) {
   return {close_guesses(equations, *further, q, Y), true};
 }
 
+Closing close_without_kept(Equations& equations, VecX& q, VecX& Y) {
+  close_guesses(equations, equations.model(), q, Y);
+  return close_machine(equations, 0.0, Hold::constraints, Modes::kept, q, Y);
+}
+
 }  // namespace concord::cartesian

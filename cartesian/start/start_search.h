@@ -20,4 +20,7 @@ struct ClosedStart {
 /// led to.
 ClosedStart close_start(Equations& equations, VecX& q, VecX& Y);
 
+/// From the guesses alone: comes as near to what the start keeps as that goes, then closes with nothing of it held.
+Closing close_without_kept(Equations& equations, VecX& q, VecX& Y);
+
 }  // namespace concord::cartesian

@@ -5,8 +5,9 @@
 #include "common/model.h"
 #include "common/results.h"
 
-/// Does a run start where the model says? What `keep`, `keep_speed`, `a`, `adot` and drivers state is asked of each
-/// solver alone: two that drop it alike agree in all else.
+/// Does a run start where the model says? Of more kept values than the machine has freedoms as many as are free are met
+/// exactly, and the others to half a unit of their last digit. What `keep`, `keep_speed`, `a`, `adot` and drivers state
+/// is asked of each solver alone: two that drop it alike agree in all else.
 namespace concord::compare {
 
 /// The stated number that a start misses most.

@@ -41,7 +41,7 @@ std::string value_text(joints::CoordinateKind kind, const VecX& value) {
 std::string said_text(const StartCoordinate& coordinate) {
   switch (coordinate.said) {
     case Said::keep:
-      return "keep";
+      return coordinate.guess.size() > 0 ? "keep " + value_text(coordinate.kind, coordinate.guess) : "keep";
     case Said::law:
       return "driven";
     case Said::guess:
@@ -160,6 +160,24 @@ std::string format_start(const Model& model, const StartReport& start, bool all_
   return text + moved_bodies(model, start) + other_poses(start);
 }
 
+std::string poses_line(const Model& model, const StartReport& start) {
+  const std::vector<std::vector<VecX>>& others = start.others.values;
+  if (others.empty()) return "";
+  std::size_t most = 0;
+  for (std::size_t k = 1; k < start.coordinates.size(); ++k) {
+    if (weight_of(model, start, k) > weight_of(model, start, most)) most = k;
+  }
+  const StartCoordinate& told = start.coordinates[most];
+  std::string text =
+      fmt::format("starts with {} of {} at {}; {} found with the same kept coordinates:", told.name,
+                  model.joints[static_cast<std::size_t>(told.joint)].name, value_text(told.kind, told.value),
+                  plural(static_cast<int>(others.size()), "other pose was", "other poses were"));
+  for (std::size_t other = 0; other < std::min(others.size(), kPosesShown); ++other) {
+    text += fmt::format("{} {}", other == 0 ? "" : ",", value_text(told.kind, others[other][most]));
+  }
+  return text + (others.size() > kPosesShown ? ", ..." : "");
+}
+
 StartTable start_table(const Model& model, const StartReport& start) {
   StartTable told{table_of(model, start, rows_of(model, start, true)), {}};
   for (std::string line : {moved_bodies(model, start), other_poses(start)}) {
@@ -178,6 +196,7 @@ Json start_json(const Model& model, const StartReport& start) {
               {"unit", one.kind == joints::CoordinateKind::length ? "m" : "rad"},
               {"value", numbers(one.value)},
               {"said", said_word(one.said)}};
+    if (one.said == Said::keep && one.guess.size() > 0) said["written"] = numbers(one.guess);
     if (one.said == Said::guess) {
       said["guess"] = numbers(one.guess);
       said["moved"] = one.moved;

@@ -15,6 +15,10 @@ namespace concord::compare {
 /// moved from theirs. Without `all_rows` the eight coordinates that moved or differ most, and a count of the rest.
 std::string format_start(const Model& model, const StartReport& start, bool all_rows);
 
+/// Where other poses were found, one line: the coordinate that differs most, at the start and in the others. Else
+/// empty.
+std::string poses_line(const Model& model, const StartReport& start);
+
 /// The table of all coordinates, and the lines below it.
 struct StartTable {
   TextTable table;

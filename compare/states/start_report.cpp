@@ -1,5 +1,6 @@
 #include "compare/states/start_report.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/joints/facts.h"
@@ -44,6 +45,9 @@ StartCoordinate coordinate_at(const Model& given, std::size_t k, const NamedCoor
     return coordinate;
   }
   coordinate.value = start.q[k].segment<1>(q);
+  const double off = std::abs(coordinate.value(0) - stated(at.component));
+  const bool is_met = off <= kWrittenExactly * std::max(1.0, std::abs(stated(at.component)));
+  if (coordinate.said == Said::keep && !is_met) coordinate.guess = stated.segment<1>(at.component);
   if (coordinate.said != Said::guess) return coordinate;
   coordinate.guess = stated.segment<1>(at.component);
   const double from = coordinate.guess(0);

@@ -20,7 +20,7 @@ struct StartCoordinate {
   joints::CoordinateKind kind{};
   Said said = Said::nothing;
   VecX value;          // m or rad; of an orientation its rotation vector [rad]
-  VecX guess;          // the same of the guess; empty where the model guesses nothing
+  VecX guess;          // the same of the guess, or of what is kept and met no further than it is written; else empty
   double moved = 0.0;  // from the guess, whole turns aside that change nothing [m, rad]; of an orientation the angle
   double size = 0.0;   // |moved| in the machine's length or rad
 };

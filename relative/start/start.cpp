@@ -26,17 +26,6 @@ const char* name_of(ClosureRows rows) { return rows == ClosureRows::of_positions
 constexpr const char* kMayBeSingular =
     "; a start in a singular pose, such as a linkage lying flat or stretched, seems to have more: start it elsewhere";
 
-/// Speeds that nobody can leave out: of each word that keeps several at once, all but one.
-int count_speeds_kept_as_wholes(const Model& model) {
-  int count = 0;
-  for (const Joint& joint : model.joints) {
-    for (std::size_t word = 0; word < joint.start.size(); ++word) {
-      if (joint.start[word].role_u == StartRole::keep) count += n_u(joint.type->permits[word]) - 1;
-    }
-  }
-  return count;
-}
-
 std::string degrees(int n) { return fmt::format("{} degree{} of freedom", n, n == 1 ? "" : "s"); }
 
 }  // namespace
@@ -44,7 +33,7 @@ std::string degrees(int n) { return fmt::format("{} degree{} of freedom", n, n =
 /// The driven speeds and those of every word with role `keep`.
 PrescribedMask Start::kept(StartRole WordStart::*role) const {
   PrescribedMask prescribed = scaled_->equations().driven();
-  const Model& model = scaled_->equations().model();
+  const Model& model = stated();
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const Joint& joint = model.joints[k];
     for (std::size_t word = 0; word < joint.start.size(); ++word) {
@@ -83,7 +72,7 @@ void Start::measure_unsaid(Coordinates& coordinates) const {
 
 /// What the model says of the start; where it says nothing, what the guessed poses give.
 Coordinates Start::guess() const {
-  const Model& model = scaled_->equations().model();
+  const Model& model = stated();
   const Topology& topology = scaled_->equations().topology();
   Coordinates start{0.0, scaled_->equations().home(), VecX::Zero(topology.n_u)};
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
@@ -178,17 +167,8 @@ const char* Start::idle_turn(const PrescribedMask& prescribed) const {
 /// As many kept values as degrees of freedom, modes and drivers not counted. `coordinates` are closed.
 void Start::require_number_of_kept(const Coordinates& coordinates, const PrescribedMask& prescribed,
                                    ClosureRows rows) const {
-  const auto n_free = static_cast<int>(scaled_->moving_columns(scaled_->equations().driven(), Modes::kept).size());
-  const int freedom = n_free - scaled_->rank(coordinates, rows, Modes::kept);
-  int n_kept = 0;
-  for (std::size_t c = 0; c < prescribed.size(); ++c)
-    n_kept += prescribed[c] != 0 && scaled_->equations().driven()[c] == 0 ? 1 : 0;
-  const int surplus = n_kept - freedom;
-  // Balls are kept as wholes: of their speeds more may be kept than are free, if they agree.
-  const bool is_enough = rows == ClosureRows::of_positions
-                             ? surplus == 0
-                             : surplus >= 0 && surplus <= count_speeds_kept_as_wholes(scaled_->equations().model());
-  if (is_enough) return;
+  const auto [n_kept, freedom, allowed] = count_kept(coordinates, prescribed, rows);
+  if (n_kept >= freedom && n_kept - freedom <= allowed) return;
   const auto role = rows == ClosureRows::of_positions ? &WordStart::role_q : &WordStart::role_u;
   const std::vector<StartWord> words = words_to_keep(*scaled_, coordinates, rows, role);
   throw InputError(
@@ -316,7 +296,7 @@ void Start::choose_branches(Coordinates& closed, const Coordinates& said, const 
 /// Requires that the start holds the kept values to round-off.
 void Start::require_kept(const Coordinates& closed, const Coordinates& said) const {
   constexpr double kRoundOffOfKept = 1e-11;
-  const Model& model = scaled_->equations().model();
+  const Model& model = stated();
   const double rate = scaled_->size().rate_at(closed.u);
   const auto require = [&](const Joint& joint, const char* what, const VecX& found, const VecX& kept, double allowed,
                            const VecX& left_out) {
@@ -355,7 +335,7 @@ void Start::require_kept(const Coordinates& closed, const Coordinates& said) con
   }
 }
 
-Coordinates Start::find() const {
+Coordinates Start::find_as_said() const {
   scaled_->equations().count_turns(VecX::Zero(scaled_->equations().topology().n_q));
   Coordinates start = guess();
   const PrescribedMask prescribed_q = kept(&WordStart::role_q);
@@ -388,6 +368,7 @@ Coordinates Start::find() const {
   }
   scaled_->move(closed);
   require_kept(closed, start);
+  if (fewer_) require_as_written(closed);
   return closed;
 }
 

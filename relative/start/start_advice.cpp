@@ -12,10 +12,6 @@
 
 namespace concord::relative {
 
-namespace {
-
-/// Levenberg's and Marquardt's method on the sum of the squared residuals, which need not vanish; leaves the closure
-/// measured there.
 void come_nearest(const ScaledClosure& scaled, Coordinates& coordinates, Closure& closure,
                   const std::vector<int>& columns) {
   constexpr int kMostTries = 400;
@@ -48,6 +44,8 @@ void come_nearest(const ScaledClosure& scaled, Coordinates& coordinates, Closure
   }
   sum_at(coordinates);
 }
+
+namespace {
 
 JointGap gap_of(const Kinematics& kinematics, const CutJoint& cut) {
   const Vec6& error = cut.measure.position_residual();

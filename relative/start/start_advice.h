@@ -9,6 +9,11 @@
 /// What a start that is refused lacks: where its loops stay open, and what it could keep.
 namespace concord::relative {
 
+/// Moves these columns by Levenberg's and Marquardt's method on the sum of the squared residuals, which need not
+/// vanish; leaves the closure measured there.
+void come_nearest(const ScaledClosure& scaled, Coordinates& coordinates, Closure& closure,
+                  const std::vector<int>& columns);
+
 /// "where the other joints are closed, joint 'D', at which the loop is cut, is left open by 0.1 m along z ...": the gap
 /// of the cut joint that is open most where the loops come nearest to closing with these values prescribed, from
 /// `guess` on. Empty if a coupling is open farther.

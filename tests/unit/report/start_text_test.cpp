@@ -47,6 +47,29 @@ TEST(StartTextTest, TellsWhatMovedFromItsGuess) {
             "| B3    | turn_z     |      391 deg | guess 30 deg   |    1 deg |\n");
 }
 
+/// Of more kept values than the machine has freedoms.
+TEST(StartTextTest, AValueThatIsKeptNoFurtherThanItIsWrittenIsShownBesideWhatIsFound) {
+  Row row(2, 30.0, {30.04});
+  row.model.joints[1].start.front().role_q = StartRole::keep;
+  row.model.joints[1].start.front().slack_q = VecX::Constant(1, 0.05 * kDegree);
+  const StartReport start = report_start(row.model, row.start);
+  EXPECT_THAT(format_start(row.model, start, true),
+              HasSubstr("| A     | turn_z     |   40.107 deg | keep           |       |\n"
+                        "| B1    | turn_z     |    30.04 deg | keep 30 deg    |       |\n"));
+  EXPECT_NEAR(start_json(row.model, start)["coordinates"][1]["written"].get<double>(), 30.0 * kDegree, 1e-12);
+  EXPECT_FALSE(start_json(row.model, start)["coordinates"][0].contains("written"));
+}
+
+TEST(StartTextTest, OfANightTheCoordinateThatDiffersMostIsTold) {
+  Row row(3, 30.0, {30.0, -60.0});
+  StartReport start = report_start(row.model, row.start);
+  EXPECT_EQ(poses_line(row.model, start), "");
+  row.start.q[2](0) = 100.0 * kDegree;
+  add_other_pose(row.model, row.start, start);
+  EXPECT_EQ(poses_line(row.model, start),
+            "starts with turn_z of B2 at -60 deg; 1 other pose was found with the same kept coordinates: 100 deg");
+}
+
 TEST(StartTextTest, AWholeTurnThatASpringReadsIsAMove) {
   Row row(2, 30.0, {391.0});
   JointSpring spring;
