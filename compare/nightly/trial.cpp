@@ -19,6 +19,7 @@
 #include "compare/random_machines/random.h"
 #include "compare/random_machines/trial.h"
 #include "compare/report/files.h"
+#include "compare/report/start_text.h"
 #include "compare/states/near_frames.h"
 #include "compare/verdict/refinement.h"
 
@@ -219,17 +220,17 @@ void compare_case(const Case& one, const SolverMakers& makers, const std::filesy
   check_integrators(one, machine);
   VerifyOptions options = one.options;
   options.makers = &makers;
-  std::string last;
-  options.progress = [&](std::string_view check, const std::array<double, 2>&) {
-    if (check == last) return;
-    last = check;
-    tell_stage(check);
+  options.progress = [last = std::string()](std::string_view check, const auto&) mutable {
+    if (check != last) tell_stage(last = check);
   };
   Verdict verdict = verify(machine.model(), machine.solver(Who::cartesian), machine.solver(Who::relative), options);
   verdict.trajectories = machine.back(std::move(verdict.trajectories));
   take_verdict(machine.model(), verdict, result);
   const bool is_shown = !page.empty() && verdict.outcome != Outcome::agree;
   if (is_shown) write_file(page, page::format_page({{one.id, &machine.model(), &verdict, ""}}));
+  if (!result.is_green() || !result.words.empty()) return;
+  const auto start = start_of(machine.model(), machine, makers, SeekPoses::of_few_joints);
+  if (start) result.words = poses_line(machine.model(), *start);
 }
 
 /// Numbers of an analysis keep their signs. Where they have no scale of their own, it is the largest of their unit.
