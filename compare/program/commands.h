@@ -37,8 +37,8 @@ struct RunCommand {
   std::string solver = {};      // "cartesian" or "relative"; empty: each of them alone, one after the other
   std::string integrator = {};  // of the solver that is named; empty: its first one
   VerifyOptions options;
-  std::string axes = {};  // as those of a comparison
   std::filesystem::path out;
+  std::string axes = {};  // as those of a comparison
 };
 
 /// Compares each model and prints its table; with several models a summary of all, a failing one included. Returns the

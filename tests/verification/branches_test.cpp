@@ -9,6 +9,7 @@
 
 #include "closed_forms.h"
 #include "common/error.h"
+#include "compare/equilibrium/started_machine.h"
 #include "compare/states/branch.h"
 #include "judged_machines.h"
 
@@ -155,6 +156,22 @@ TEST_CASE("Starts that are whole turns apart are one, unless something reads the
   CHECK(note_of("spring.turn_z = { stiffness = 3 }").find("different branches (turn_z of BC 284") != std::string::npos);
   const Model model = three_bars("");
   expect_to_agree(model, in_short(model, 1.0));
+}
+
+TEST_CASE("The other pose in which a linkage closes is found, with the angles of the other triangle", "[closure]") {
+  const compare::SolverMakers makers{cartesian::make_solver, relative::make_solver};
+  const Model model = three_bars("");
+  const compare::StartedMachine machine(model, makers);
+  const auto report = compare::start_of(model, machine, makers, compare::SeekPoses::of_all);
+  REQUIRE(report);
+  REQUIRE(report->others.values.size() == 1);
+  const std::vector<VecX>& found = report->others.values.front();  // WA, AB, WC, BC
+  const double qa = std::atan(std::sqrt(15.0));
+  CHECK(std::abs(found[0](0) - qa) < 1e-9);
+  CHECK(std::abs(found[1](0) - 2.0 * (std::numbers::pi - qa)) < 1e-9);
+  CHECK(std::abs(found[2](0)) < 1e-9);
+  CHECK(report->others.found_by == "relative");
+  CHECK(report->others.accepted_by == "cartesian");
 }
 
 TEST_CASE("A linkage without guesses that one solver cannot close starts from what the other one finds", "[closure]") {
