@@ -6,17 +6,15 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <set>
 
 #include "common/joints/catalogue.h"
-#include "common/reading/model_file.h"
 #include "compare/analyses/judge.h"
 #include "compare/equilibrium/started_machine.h"
 #include "compare/invariance/report.h"
 #include "compare/joint_check/coupling_check.h"
+#include "compare/nightly/case_model.h"
 #include "compare/page/page.h"
 #include "compare/random_machines/generator.h"
-#include "compare/random_machines/random.h"
 #include "compare/random_machines/trial.h"
 #include "compare/report/files.h"
 #include "compare/report/start_text.h"
@@ -29,59 +27,6 @@ namespace {
 
 void tell_stage(std::string_view stage) {
   std::fprintf(stderr, "stage: %.*s\n", static_cast<int>(stage.size()), stage.data());
-}
-
-/// What the suite asks of a model and the model cannot give is refused at the case in the suite.
-InputError refusal(const Case& one, const std::string& reason) {
-  return {one.where, fmt::format("{}: {}", one.model.generic_string(), reason)};
-}
-
-void name_cuts(const Case& one, Model& model) {
-  std::set<std::string> asked(one.cut->begin(), one.cut->end());
-  for (Joint& joint : model.joints) joint.named_as_cut = asked.erase(joint.name) > 0;
-  if (!asked.empty()) throw refusal(one, fmt::format("no joint is called '{}', which the case cuts", *asked.begin()));
-}
-
-/// Sizes by which a coordinate and its speeds are moved.
-std::array<double, 2> sizes_of(const StartDraw& draw, joints::CoordinateKind kind) {
-  switch (kind) {
-    case joints::CoordinateKind::angle:
-      return {draw.turn, draw.turn_speed};
-    case joints::CoordinateKind::length:
-      return {draw.slide, draw.slide_speed};
-    case joints::CoordinateKind::orientation:
-      return {0.0, draw.turn_speed};
-  }
-  return {};
-}
-
-void move_start(const Case& one, Model& model) {
-  fuzz::Random random(one.start->seed, one.start->number);
-  bool moves = false;
-  const auto move = [&](StartRole role, double size, Eigen::Ref<VecX> values) {
-    if (role != StartRole::keep || size == 0.0) return;
-    values += random.vector(values.size(), size);
-    moves = true;
-  };
-  for (Joint& joint : model.joints) {
-    for (std::size_t k = 0; k < joint.start.size(); ++k) {
-      WordStart& start = joint.start[k];
-      const joints::StatedCoordinates coordinates = stated_coordinates(joint.type->permits.at(k));
-      Eigen::Index next = 0;
-      for (const joints::StatedCoordinate& coordinate : coordinates) {
-        move(start.role_q, sizes_of(*one.start, coordinate.kind)[0],
-             start.q.segment(next, joints::n_q(coordinate.kind)));
-        next += joints::n_q(coordinate.kind);
-      }
-      next = 0;
-      for (const joints::StatedCoordinate& coordinate : coordinates) {
-        move(start.role_u, sizes_of(*one.start, coordinate.kind)[1],
-             start.u.segment(next, joints::n_u(coordinate.kind)));
-        next += joints::n_u(coordinate.kind);
-      }
-    }
-  }
-  if (!moves) throw refusal(one, "the case draws starts, but the model keeps no coordinate or speed that they move");
 }
 
 /// What is recorded of each component; of other kinds only the worst of a kind.
@@ -229,8 +174,8 @@ void compare_case(const Case& one, const SolverMakers& makers, const std::filesy
   const bool is_shown = !page.empty() && verdict.outcome != Outcome::agree;
   if (is_shown) write_file(page, page::format_page({{one.id, &machine.model(), &verdict, ""}}));
   if (!result.is_green() || !result.words.empty()) return;
-  const auto start = start_of(machine.model(), machine, makers, SeekPoses::of_few_joints);
-  if (start) result.words = poses_line(machine.model(), *start);
+  const auto found = start_of(machine.model(), machine, makers, SeekPoses::of_few_joints);
+  if (found) result.words = poses_line(machine.model(), *found);
 }
 
 /// Numbers of an analysis keep their signs. Where they have no scale of their own, it is the largest of their unit.
@@ -284,7 +229,7 @@ void check_joint_case(const Case& one, Result& result) {
   result.total = sheet.looked();
   for (const joint_check::Property& property : sheet.properties) {
     if (!property.looked) continue;
-    if (!property.holds() && result.words.empty()) result.words = fmt::format("{}: {}", property.name, property.where);
+    if (!property.holds() && result.words.empty()) result.words = property.name + ": " + property.where;
     if (!property.need) continue;
     Component& component = result.components.emplace_back();
     component.name = property.name;
@@ -371,20 +316,12 @@ void do_work(const Case& one, const std::filesystem::path& scratch, const Solver
 
 }  // namespace
 
-Model model_of(const Case& one) {
-  tell_stage("reading");
-  Model model = read_model(one.model, {one.parameters.begin(), one.parameters.end()});
-  model.needs.insert(model.needs.end(), one.needs.begin(), one.needs.end());
-  if (one.cut) name_cuts(one, model);
-  if (one.start) move_start(one, model);
-  return model;
-}
-
 Result try_case(const Case& one, const std::filesystem::path& scratch, const SolverMakers& makers,
                 const std::filesystem::path& page) {
   Result result;
   result.id = one.id;
   result.work = name_of(one.work);
+  tell_stage("reading");
   try {
     do_work(one, scratch, makers, page, result);
   } catch (const InputError& error) {

@@ -16,7 +16,4 @@ namespace concord::compare::nightly {
 Result try_case(const Case& one, const std::filesystem::path& scratch, const SolverMakers& makers,
                 const std::filesystem::path& page = {});
 
-/// The model of a case: the file with the case's parameters, cut joints, needs and start. Throws InputError.
-Model model_of(const Case& one);
-
 }  // namespace concord::compare::nightly

@@ -128,7 +128,7 @@ std::vector<std::string> unlike_single_run(const fs::path& file, Who who, const 
   std::ostringstream out;
   std::ostringstream err;
   const int code =
-      run_model({file, compare::kSolverNames[static_cast<std::size_t>(index(who))], {}, options, {}, results.folder},
+      run_model({file, compare::kSolverNames[static_cast<std::size_t>(index(who))], {}, options, results.folder},
                 makers(), {out, err});
   if (code != compare::kAgree) return {"run: " + out.str() + err.str()};
 

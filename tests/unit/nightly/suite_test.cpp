@@ -1,5 +1,4 @@
 #include "compare/nightly/suite.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +6,8 @@
 
 #include "cartesian/solver.h"
 #include "common/error.h"
+#include "compare/nightly/case_model.h"
+#include "compare/nightly/case_model.h"
 #include "compare/nightly/trial.h"
 #include "compare/report/files.h"
 #include "relative/solver.h"
