@@ -134,8 +134,9 @@ void note_unstated_errors(const Reference& reference, double drift, Verdict& ver
           ? fmt::format("; from an equal start it drifts out of balance, and {:.2g} of the peak is taken", drift)
           : "";
   verdict.notes.push_back(fmt::format(
-      "reference: {} of {} columns state no error: half of the last digit that is written is taken, at least 1e-9 and "
-      "at most 1e-3 of the peak in the reference{}; state another by a line such as `# error = 1 %`",
+      "reference: {} of {} columns state no error: half of the last digit that is written is taken, or what both runs "
+      "differ by, at least 1e-9 and at most 1e-3 of the peak in the reference{}; state another by a line such as `# "
+      "error = 1 %`",
       unstated, reference.columns.size(), out_of_balance));
 }
 

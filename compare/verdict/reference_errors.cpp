@@ -118,7 +118,7 @@ double error_of_digits(const ReferenceColumn& column, const Reference& reference
     if (are_of_one_vector(other.column, column.column)) digits = std::max(digits, other.digits);
   }
   const double half = 0.5 * std::pow(10.0, std::floor(std::log10(peak)) - digits + 1);
-  return std::clamp(half, kLeast * peak, kMostUnstated * peak);
+  return std::clamp(half, kLeast * peak, most_unstated(column, reference));
 }
 
 }  // namespace
@@ -139,6 +139,10 @@ double error_of(const ReferenceColumn& column, const Verdict& verdict, const Ref
   return column.error * (column.is_relative ? measure_of_percent(column.column, verdict, reference, largest) : 1.0);
 }
 
+double most_unstated(const ReferenceColumn& column, const Reference& reference) {
+  return kMostUnstated * peak_of(column.column, reference);
+}
+
 double drift_of(const Standard& standard, const Reference& reference) {
   constexpr double kTimes = 10.0;
   constexpr double kNoise = 1e-6;  // of the machine's largest number of that unit
@@ -147,9 +151,9 @@ double drift_of(const Standard& standard, const Reference& reference) {
   if (runs.samples.size() < kFewest || runs.samples.front() != 0) return 0.0;
   std::vector<std::pair<const Column*, std::vector<double>>> deviations;  // of each vector at each time, of its peak
   for (const ReferenceColumn& said : reference.columns) {
+    if (said.is_stated || said.column.is_own || has_free_sign(said.column)) continue;
     const double peak = peak_of(said.column, reference);
-    const bool is_noise = !(peak > kNoise * size_of(standard, said.column.unit));
-    if (said.is_stated || said.column.is_own || has_free_sign(said.column) || is_noise) continue;
+    if (!(peak > kNoise * size_of(standard, said.column.unit))) continue;
     auto of_vector = std::find_if(deviations.begin(), deviations.end(),
                                   [&](const auto& one) { return are_of_one_vector(*one.first, said.column); });
     if (of_vector == deviations.end()) {

@@ -22,6 +22,9 @@ double last_judged(const Verdict& verdict);
 double error_of(const ReferenceColumn& column, const Verdict& verdict, const Reference& reference, double largest,
                 double drift);
 
+/// The most that counts as an error of a column where none is stated, 1e-3 of the peak of its vector.
+double most_unstated(const ReferenceColumn& column, const Reference& reference);
+
 /// What a run that is less exact than it is written leaves out of balance with concord's, of the peak: of each vector
 /// the median over the times of its deviation, of all vectors that state no error the median of these, ten times that,
 /// and at most 1e-3. So neither one time nor one joint that is wrong raises it. Zero if that median is more than 1e-3,

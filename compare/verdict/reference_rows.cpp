@@ -76,8 +76,9 @@ double sign_of(const RunsAtTimes& runs, std::size_t who, std::size_t k, const Re
 }
 
 /// What both runs leave open of a column: round-off of the machine's largest number of that unit, or what the solvers
-/// differ by, as far as that is next to nothing beside it. A part of a number that is zero is no error to hold them to.
-double left_open(const RunsAtTimes& runs, const Column& column, double largest) {
+/// differ by, as far as that is next to nothing beside it, or no more than `most`. A part of a number that is zero is
+/// no error to hold them to.
+double left_open(const RunsAtTimes& runs, const Column& column, double largest, double most) {
   constexpr double kNextToNothing = 1e-9;
   double difference = 0.0;
   for (std::size_t k = 0; k < runs.samples.size(); ++k) {
@@ -85,7 +86,7 @@ double left_open(const RunsAtTimes& runs, const Column& column, double largest) 
     const double other = value_of(column, runs.sample(1, k));
     difference = std::max(difference, std::abs(one - (has_free_sign(column) && one * other < 0.0 ? -other : other)));
   }
-  return std::max(kRoundOff * largest, std::min(difference, kNextToNothing * largest));
+  return std::max(kRoundOff * largest, std::min(difference, std::max(most, kNextToNothing * largest)));
 }
 
 /// The largest numbers of a run by their unit, forces and torques, and what moves and what turns, by the machine's
@@ -273,8 +274,10 @@ JudgedRows judge_rows(const Standard& standard, const Reference& reference) {
     row.of = describe_owner(standard.model, column.column);
     row.component = describe_component(column.column);
     row.unit = column.column.unit;
-    row.allowed = std::max(error_of(column, standard.runs.verdict, times.reference, largest, judged.drift),
-                           times.is_judged ? left_open(times.runs, column.column, largest) : kOfSelfStress * largest);
+    const double most = column.is_stated ? 0.0 : most_unstated(column, times.reference);
+    const double error = error_of(column, standard.runs.verdict, times.reference, largest, judged.drift);
+    const double open = times.is_judged ? left_open(times.runs, column.column, largest, most) : kOfSelfStress * largest;
+    row.allowed = std::max(open, column.is_stated ? error : std::min(most, error + open));
     measure_row(times.runs, times.reference, column, times.is_judged, row);
   }
   judged.left_out = judge_one_of_many(standard, reference, judged.rows);
