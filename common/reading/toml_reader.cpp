@@ -133,7 +133,7 @@ double TableReader::slack_of(std::string_view key) const {
   const toml::node& found = *node(key);
   const std::string written = found.is_string() ? **found.as_string() : reading_->word_at(found.source());
   char* end = nullptr;
-  const double number = std::strtod(written.c_str(), &end);
+  static_cast<void>(std::strtod(written.c_str(), &end));
   const std::string digits = written.substr(0, static_cast<std::size_t>(end - written.c_str()));
   std::string unit(end);
   std::erase(unit, ' ');
@@ -141,7 +141,7 @@ double TableReader::slack_of(std::string_view key) const {
   const bool is_decimal = point != std::string::npos && point + 1 < digits.find_first_of("eE") &&
                           point + 1 < digits.size() && (unit.empty() || unit == "deg");
   if (is_decimal) return rounding_of(digits) * (unit.empty() ? 1.0 : kDegree);
-  return kWrittenExactly * std::max(1.0, std::abs(number));
+  return kWrittenExactly;
 }
 
 std::optional<double> TableReader::positive_number(std::string_view key) const {

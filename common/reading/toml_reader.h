@@ -38,7 +38,7 @@ class TableReader {
 
   [[nodiscard]] std::optional<double> number(std::string_view key) const;
   /// Half a unit of the last digit of a number that is written as a decimal fraction, or as one in degrees ("26.2
-  /// deg"); kWrittenExactly of any other, at least of 1.
+  /// deg"); kWrittenExactly of any other.
   [[nodiscard]] double slack_of(std::string_view key) const;
   [[nodiscard]] std::optional<double> positive_number(std::string_view key) const;
   [[nodiscard]] std::optional<double> number_not_negative(std::string_view key) const;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// The slider-crank with these keys of the start of its slide, whose place at the start is 0.15795558 m.
+/// The slider-crank with these keys of the start of its slide, whose place at the start is 0.157956287 m.
 Model slider_crank(const std::string& slide, const std::string& turn = "") {
   std::string text = read_text_file(CONCORD_DATA "/models/slider_crank_spatial_rigid.toml");
   const auto put = [&](const std::string& from, const std::string& to) {
@@ -78,7 +78,7 @@ TEST_CASE("Which of too many kept values are met exactly, their order in the fil
 TEST_CASE("Kept values that contradict each other are refused with what is found and what is written", "[start]") {
   for (const Maker make : kMakers) {
     CHECK_THAT(refusal_of(slider_crank("keep = 0.159"), make),
-               Catch::Contains(kContradict + "slide_z of joint 'D' is 0.157955") &&
+               Catch::Contains(kContradict + "slide_z of joint 'D' is 0.157956287") &&
                    Catch::Contains(", where 0.159 is kept to 0.0005: correct these values, or keep fewer"));
     CHECK(refusal_of(slider_crank("keep = 0.16"), make).empty());
     CHECK_THAT(refusal_of(slider_crank("keep = \"0.158\" "), make), Catch::Equals(""));

@@ -138,8 +138,8 @@ TEST(ModelFile, StartsKnowHowManyOfTheirDigitsAreWritten) {
   EXPECT_DOUBLE_EQ(slack("1.5e-2"), 0.0005);
   EXPECT_DOUBLE_EQ(slack("\"26.2 deg\""), 0.05 * kRadiansPerDegree);
   EXPECT_DOUBLE_EQ(slack("\"0.25\""), 0.005);
-  EXPECT_DOUBLE_EQ(slack("2"), 2e-9);
-  EXPECT_DOUBLE_EQ(slack("\"26 deg\""), 26e-9);
+  EXPECT_DOUBLE_EQ(slack("2"), 1e-9);
+  EXPECT_DOUBLE_EQ(slack("\"26 deg\""), 1e-9);
   EXPECT_DOUBLE_EQ(slack("\"0.5 * pi\""), 1e-9);
   EXPECT_DOUBLE_EQ(slack("\"sqrt(0.25)\""), 1e-9);
 }
