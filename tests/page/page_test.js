@@ -71,7 +71,7 @@ async function explains(page) {
   assert.match(await text(page, "#blame"), /To blame: neither solver, but the statement, at joint hinge/);
   const rows = page.locator("#explanations table tbody tr");
   assert.strictEqual(await rows.count(), 1, "one column of the reference");
-  assert.match(await rows.first().textContent(), /hinge on pendulum.*F_x.*differ/);
+  assert.match(await rows.first().textContent(), /hinge on pendulum.*F_x.*wrong/);
   assert.strictEqual(await page.locator(".note", { hasText: "to blame" }).count(), 0, "said once");
   assert.match(await text(page, "#about-plots"), /Rings: the reference\./);
   assert.match(await text(page, "#charts"), /F_x/);

@@ -212,7 +212,10 @@ std::vector<std::string> unlike_result(const std::filesystem::path& file, const 
   expect("joints", verdict.joints);
   expect("loops", verdict.loops);
   expect("modes", verdict.modes);
-  expect("run", {{"until", verdict.run.until}, {"rtol", verdict.run.rtol}, {"energy_allowed", verdict.energy_allowed}});
+  expect("run", {{"until", verdict.run.until},
+                 {"rtol", verdict.run.rtol},
+                 {"seed", verdict.seed},
+                 {"energy_allowed", verdict.energy_allowed}});
   expect("notes", verdict.notes);
   expect("failures", verdict.failures);
   for (std::size_t who = 0; who < 2; ++who) {
