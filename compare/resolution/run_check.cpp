@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <numeric>
 
 #include "common/error.h"
 #include "compare/audit/carried_components.h"
@@ -37,22 +38,25 @@ class Refusals {
 void check_samples(const QuantityLayout& layout, Solver& solver, const Trajectory& trajectory, RunCheck& check) {
   const auto columns = static_cast<Eigen::Index>(trajectory.samples.size());
   check.unique = Mask::Constant(static_cast<Eigen::Index>(layout.quantities().size()), columns, false);
+  Mask open_in = check.unique;
   Refusals open;
   Refusals singular;
   for (Eigen::Index column = 0; column < columns; ++column) {
     const State& state = trajectory.samples[static_cast<std::size_t>(column)].state;
     try {
       solver.evaluate(state);
-      const std::vector<Uniqueness> flags = uniqueness_of(layout, solver.rank(state));
-      for (std::size_t row = 0; row < flags.size(); ++row) {
-        check.unique(static_cast<Eigen::Index>(row), column) = flags[row] == Uniqueness::unique;
-      }
+      const RankReport report = solver.rank(state);
+      check.unique.col(column) = unique_rows(layout, report);
+      open_in.col(column) = open_rows(layout, report);
     } catch (const SingularPose& error) {
       singular.take(error.what());
     } catch (const SolverError& error) {
       open.take(error.what());
     }
   }
+  std::vector<Eigen::Index> all(trajectory.samples.size());
+  std::iota(all.begin(), all.end(), 0);
+  leave_out_isolated(check.unique, open_in, all);
   open.tell(trajectory.samples.size(), "the solver does not accept its own states", check.failures);
   singular.tell(trajectory.samples.size(), "singular pose", check.failures);
 }

@@ -98,6 +98,15 @@ Eigen::Array<bool, Eigen::Dynamic, 1> unique_rows(const QuantityLayout& layout, 
   return unique;
 }
 
+Eigen::Array<bool, Eigen::Dynamic, 1> open_rows(const QuantityLayout& layout, const RankReport& report) {
+  Eigen::Array<bool, Eigen::Dynamic, 1> open(static_cast<Eigen::Index>(layout.quantities().size()));
+  for (Eigen::Index row = 0; row < open.size(); ++row) {
+    const Quantity& quantity = layout.quantities()[static_cast<std::size_t>(row)];
+    open(row) = uniqueness_of(report, quantity) == Uniqueness::not_unique;
+  }
+  return open;
+}
+
 Mask judged_states(const QuantityLayout& layout, const RankReports& reports) {
   Mask mask = Mask::Constant(static_cast<Eigen::Index>(layout.quantities().size()),
                              static_cast<Eigen::Index>(reports.size()), true);
@@ -106,6 +115,28 @@ Mask judged_states(const QuantityLayout& layout, const RankReports& reports) {
     for (const RankReport& report : reports[state]) judged = judged && unique_rows(layout, report);
   }
   return mask;
+}
+
+void leave_out_isolated(Mask& unique, const Mask& open, const std::vector<Eigen::Index>& samples) {
+  for (Eigen::Index row = 0; row < unique.rows(); ++row) {
+    const auto counted = [&](const Mask& mask) {
+      return std::count_if(samples.begin(), samples.end(), [&](Eigen::Index sample) { return mask(row, sample); });
+    };
+    if (counted(open) > counted(unique)) unique.row(row).setConstant(false);
+  }
+}
+
+void leave_out_isolated(const QuantityLayout& layout, const std::vector<SharedState>& states,
+                        const RankReports& reports, Mask& unique) {
+  std::vector<Eigen::Index> of_run;
+  Mask open = Mask::Constant(unique.rows(), unique.cols(), false);
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    if (states[k].row < 0) continue;
+    of_run.push_back(static_cast<Eigen::Index>(k));
+    for (const RankReport& report : reports[k])
+      open.col(of_run.back()) = open.col(of_run.back()) || open_rows(layout, report);
+  }
+  leave_out_isolated(unique, open, of_run);
 }
 
 namespace {

@@ -24,8 +24,19 @@ std::vector<Uniqueness> uniqueness_of(const QuantityLayout& layout, const RankRe
 /// Which of them are unique, and not undecided.
 Eigen::Array<bool, Eigen::Dynamic, 1> unique_rows(const QuantityLayout& layout, const RankReport& report);
 
+/// Which of them are not unique, and not undecided.
+Eigen::Array<bool, Eigen::Dynamic, 1> open_rows(const QuantityLayout& layout, const RankReport& report);
+
 /// Where both find a quantity unique, and nothing is undecided.
 Mask judged_states(const QuantityLayout& layout, const RankReports& reports);
+
+/// Axes of joints may line up at a time, so that a component is unique there alone: what is open in more of the
+/// `samples` than it is unique in (columns of both; rows of the layout) counts as not unique anywhere.
+void leave_out_isolated(Mask& unique, const Mask& open, const std::vector<Eigen::Index>& samples);
+
+/// The same by the states of a run among those in which both solvers were asked.
+void leave_out_isolated(const QuantityLayout& layout, const std::vector<SharedState>& states,
+                        const RankReports& reports, Mask& unique);
 
 /// What the two solvers say differently of the same state: of redundant constraints, degrees of freedom, uniqueness of
 /// reactions, totals, and forces of drivers and couplings. One finding for each of these and each owner, with the

@@ -16,6 +16,7 @@ WeighedStates weigh(const QuantityLayout& layout, const std::array<Solver*, 2>& 
   weighed.poses = SingularPoses(layout.model(), states, weighed.reports);
   weighed.states = std::move(states);
   weighed.mask = judged_states(layout, weighed.reports);
+  leave_out_isolated(layout, weighed.states, weighed.reports, weighed.mask);
   weighed.findings = compare_uniqueness(layout, weighed.states, weighed.reports);
   weighed.series = align(layout, weighed.states);
   weighed.resolution =

@@ -84,6 +84,36 @@ TEST_F(UniquenessTest, ASampleIsJudgedWhereAllItsStatesAre) {
   EXPECT_TRUE(of_run(row, 3));
 }
 
+/// The axes of a machine line up in one pose, and the solvers find a component unique there alone.
+TEST_F(UniquenessTest, UniqueAtAnIsolatedStateIsNotUniqueInTheRun) {
+  for (const int state : {0, 1, 3}) {
+    for (RankReport& report : reports_[state]) set(report, false, true);
+  }
+  const Quantity beside{Kind::reaction, 0, Side::child, 0};
+  for (RankReport& report : reports_[0]) report.joints[0].unique[index(Side::child)][0] = false;
+  Mask unique = judged_states(layout_, reports_);
+  ASSERT_TRUE(unique(layout_.row_of(force_), 2));
+  leave_out_isolated(layout_, states_, reports_, unique);
+  EXPECT_FALSE(unique.row(layout_.row_of(force_)).any());
+  EXPECT_EQ(unique.row(layout_.row_of(beside)).count(), 3) << "open at one state alone";
+}
+
+TEST_F(UniquenessTest, WhatIsUniqueIsCountedInTheRunAndDoubtIsNotOpen) {
+  states_.push_back(states_[0]);  // perturbed states, in which the component is open
+  states_.push_back(states_[0]);
+  for (int k = 4; k < 6; ++k) {
+    states_[static_cast<std::size_t>(k)].row = -1;
+    reports_.push_back({report_, report_});
+    for (RankReport& report : reports_.back()) set(report, false, true);
+  }
+  set(reports_[0][0], false, false);
+  set(reports_[1][0], true, false);
+  set(reports_[2][1], false, true);
+  Mask unique = judged_states(layout_, reports_);
+  leave_out_isolated(layout_, states_, reports_, unique);
+  EXPECT_EQ(unique.row(layout_.row_of(force_)).count(), 1);
+}
+
 TEST_F(UniquenessTest, StatesInWhichASolverCannotSayAreDroppedAndCounted) {
   FakePendulum sound(model_, "cartesian");
   FakePendulum stops(model_, "relative");
