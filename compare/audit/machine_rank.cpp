@@ -128,10 +128,8 @@ void MachineConstraints::add_multipliers() {
     AtJoint& at = joints_[k];
     at.reaction = at.coordinate = Mat6X::Zero(6, columns);
     at.tau = at.driver = MatX::Zero(model_.joints[k].type->n_u(), columns);
-    Mat6X directions = motions_[k].S * motions_[k].free;
-    directions.topRows<3>() /= length_;
     Mat6X across;
-    is_sure_ = complement(directions, across) && is_sure_;
+    is_sure_ = complement(permitted_by(static_cast<int>(k)), across) && is_sure_;
     at.reaction.middleCols(next, across.cols()) = across;
     next += across.cols();
   }
@@ -218,8 +216,8 @@ void MachineConstraints::decompose() {
   is_sure_ = is_sure_ && !report_.undecided && forces_.allFinite();
   permitted_ = all.U.rightCols(forces_.rows() - rank);
   self_stresses_ = n > 0 ? MatX(all.V.rightCols(n - rank)) : MatX::Zero(0, 0);
-  mark_unique(self_stresses_);
-  name_self_stressed(self_stresses_);
+  mark_unique();
+  name_self_stressed();
 }
 
 /// Wrenches on a side of a joint in that side's frame, forces times the length.
@@ -239,16 +237,16 @@ MatX MachineConstraints::on_side(const AtJoint& at, Side side, const Mat6X& wren
 }
 
 /// What all self-stresses move at a joint, component by component.
-MachineConstraints::Moved MachineConstraints::moved_at(std::size_t k, const MatX& self_stresses) const {
+MachineConstraints::Moved MachineConstraints::moved_at(std::size_t k) const {
   Moved moved;
-  const Mat6X reaction = joints_[k].reaction * self_stresses;
-  const Mat6X total = reaction + joints_[k].coordinate * self_stresses;
+  const Mat6X reaction = joints_[k].reaction * self_stresses_;
+  const Mat6X total = reaction + joints_[k].coordinate * self_stresses_;
   for (const Side side : kSides) {
     moved.reaction[index(side)] = on_side(joints_[k], side, reaction).rowwise().norm();
     moved.total[index(side)] = on_side(joints_[k], side, total).rowwise().norm();
   }
-  moved.tau = (joints_[k].tau * self_stresses).rowwise().norm();
-  moved.driver = (joints_[k].driver * self_stresses).rowwise().norm();
+  moved.tau = (joints_[k].tau * self_stresses_).rowwise().norm();
+  moved.driver = (joints_[k].driver * self_stresses_).rowwise().norm();
   const std::vector<bool> turns = turning_speeds(*model_.joints[k].type);
   for (Eigen::Index c = 0; c < moved.tau.size(); ++c) {
     if (turns[static_cast<std::size_t>(c)]) continue;
@@ -258,20 +256,21 @@ MachineConstraints::Moved MachineConstraints::moved_at(std::size_t k, const MatX
   return moved;
 }
 
-void MachineConstraints::mark_unique(const MatX& self_stresses) {
+void MachineConstraints::mark_unique() {
   report_.joints.resize(joints_.size());
   report_.decided.resize(joints_.size());
   report_.unique_coupling.assign(couplings_.size(), true);
   report_.decided_coupling.assign(couplings_.size(), true);
-  if (self_stresses.cols() == 0) return;
+  if (self_stresses_.cols() == 0) return;
   std::vector<Moved> moved;
   double largest = 0.0;
   for (std::size_t k = 0; k < joints_.size(); ++k) {
-    moved.push_back(moved_at(k, self_stresses));
+    moved.push_back(moved_at(k));
     for (const VecX& total : moved.back().total) largest = std::max(largest, total.maxCoeff());
   }
-  for (const Eigen::Index column : couplings_) largest = std::max(largest, self_stresses.row(column).norm());
-  const double least = kUnmoved * largest;
+  for (const Eigen::Index column : couplings_) largest = std::max(largest, self_stresses_.row(column).norm());
+  largest_moved_ = largest;
+  const double least = unmoved();
   const auto is_clear = [least](double size) { return size < least / kMargin || size > least * kMargin; };
   for (std::size_t k = 0; k < joints_.size(); ++k) {
     JointUniqueness& unique = report_.joints[k];
@@ -292,19 +291,31 @@ void MachineConstraints::mark_unique(const MatX& self_stresses) {
     }
   }
   for (std::size_t g = 0; g < couplings_.size(); ++g) {
-    const double size = self_stresses.row(couplings_[g]).norm();
+    const double size = self_stresses_.row(couplings_[g]).norm();
     report_.unique_coupling[g] = size <= least;
     report_.decided_coupling[g] = is_clear(size);
   }
 }
 
-void MachineConstraints::name_self_stressed(const MatX& self_stresses) {
+void MachineConstraints::name_self_stressed() {
   constexpr double kTakesPart = 1e-6;
-  for (Eigen::Index c = 0; c < self_stresses.rows(); ++c) {
+  for (Eigen::Index c = 0; c < self_stresses_.rows(); ++c) {
     const std::string& owner = owners_[static_cast<std::size_t>(c)];
-    if (self_stresses.row(c).norm() < kTakesPart) continue;
+    if (self_stresses_.row(c).norm() < kTakesPart) continue;
     if (in_self_stress_.empty() || in_self_stress_.back() != owner) in_self_stress_.push_back(owner);
   }
+}
+
+double MachineConstraints::unmoved() const { return kUnmoved * largest_moved_; }
+
+Mat6X MachineConstraints::reactions_on(int joint, Side side) const {
+  return on_side(joints_[joint], side, joints_[joint].reaction);
+}
+
+Mat6X MachineConstraints::permitted_by(int joint) const {
+  Mat6X directions = motions_[joint].S * motions_[joint].free;
+  directions.topRows<3>() /= length_;
+  return directions;
 }
 
 SpanOfVelocities MachineConstraints::hold_against(const MatX& velocities) const {

@@ -35,6 +35,21 @@ class MachineConstraints {
   /// Joints, drivers and couplings that hold each other in some self-stress: "joint A", "coupling mesh".
   [[nodiscard]] const std::vector<std::string>& in_self_stress() const { return in_self_stress_; }
 
+  /// Orthonormal columns: multipliers that hold each other, and exert nothing together.
+  [[nodiscard]] const MatX& self_stresses() const { return self_stresses_; }
+  /// The largest that self-stresses of unit size move of any wrench, forces times the machine's length, and how far
+  /// they move what is unique at most.
+  [[nodiscard]] double largest_moved() const { return largest_moved_; }
+  [[nodiscard]] double unmoved() const;
+  /// What each multiplier adds to a joint's reaction on a side, in that side's joint frame: a column [F l; T] each.
+  [[nodiscard]] Mat6X reactions_on(int joint, Side side) const;
+  /// The directions in which the joint can move, [d / l; turn] in the parent's joint frame, and what self-stresses add
+  /// to its reaction on the child there; both as columns.
+  [[nodiscard]] Mat6X permitted_by(int joint) const;
+  [[nodiscard]] Mat6X stresses_of(int joint) const { return joints_[joint].reaction * self_stresses_; }
+  /// The child's frame of a joint seen from the parent's.
+  [[nodiscard]] const RelativeMotion& placement_of(int joint) const { return joints_[joint].relative; }
+
   /// `velocities`: columns as Solver::tangent() gives them.
   [[nodiscard]] SpanOfVelocities hold_against(const MatX& velocities) const;
 
@@ -69,9 +84,9 @@ class MachineConstraints {
   [[nodiscard]] Mat6X velocities_of(std::size_t joint, const State& state) const;
   void normalize();
   void decompose();
-  void mark_unique(const MatX& self_stresses);
-  void name_self_stressed(const MatX& self_stresses);
-  [[nodiscard]] Moved moved_at(std::size_t joint, const MatX& self_stresses) const;
+  void mark_unique();
+  void name_self_stressed();
+  [[nodiscard]] Moved moved_at(std::size_t joint) const;
   [[nodiscard]] MatX on_side(const AtJoint& at, Side side, const Mat6X& wrenches) const;
 
   const Model& model_;
@@ -86,6 +101,8 @@ class MachineConstraints {
   VecX sizes_;   // that the columns had
   MatX self_stresses_;
   MatX permitted_;  // velocities, orthonormal columns
+  MatX self_stresses_;
+  double largest_moved_ = 0.0;
   bool is_sure_ = true;
   RankReport report_;
   std::vector<std::string> in_self_stress_;
