@@ -18,6 +18,7 @@
 #include "compare/states/draws.h"
 #include "compare/states/states.h"
 #include "compare/verdict/judge.h"
+#include "compare/verdict/redundant.h"
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/same_state.h"
 
@@ -156,7 +157,7 @@ void judge_wrenches(const Model& model, const Solvers& solvers, const std::array
 
   SameState same_state(layout, both, kSeed, judge, verdict);
   const std::vector<Measured> of_states = same_state.judge_states(share(both, run_states(trajectories)));
-  if (!same_state.weighed().states.empty()) judge_pair_sums(layout, same_state.weighed(), of_states, verdict);
+  if (!same_state.weighed().states.empty()) judge_redundant(layout, same_state.weighed(), of_states, verdict);
 
   const auto samples = static_cast<int>(found[0].samples.size());
   WeighedRun own = weigh_run(same_state.weighed(), samples);

@@ -9,6 +9,7 @@
 #include "compare/quantities/observe.h"
 #include "compare/report/explanations.h"
 #include "compare/report/force_table.h"
+#include "compare/report/redundancy_text.h"
 #include "compare/report/table.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/carried.h"
@@ -262,7 +263,7 @@ std::string format_analysis(const Model& model, const AnalysisVerdict& result, b
   const Verdict& verdict = result.wrenches;
   std::string text = fmt::format("{}: {}\n{}\n", verdict.name, result.analysis, result.text);
   text += drive_table(result.machine ? *result.machine : model, verdict) + row_table(model, result, all_rows);
-  text += not_unique_text(model, verdict) + pair_sums_text(verdict);
+  text += not_unique_text(model, verdict, all_rows) + pair_sums_text(verdict);
   for (const SolverSummary& solver : verdict.solvers) {
     if (solver.audit_digits) text += fmt::format("audit of {}: {}\n", solver.name, solver.audit_worst);
   }
@@ -289,6 +290,7 @@ std::string format_analysis_json(const Model& model, const AnalysisVerdict& resu
   document["t"] = times_json(verdict);
   document["wrenches"] = wrenches_json(machine, verdict);
   document["drives"] = drives_json(machine, verdict);
+  add_redundancy(document, machine, verdict);
   document["numbers"] = Json::array();
   for (const NumberRow& row : result.numbers) {
     document["numbers"].push_back({{"name", row.name},

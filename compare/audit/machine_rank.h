@@ -99,7 +99,6 @@ class MachineConstraints {
   std::vector<Eigen::Index> couplings_;
   MatX forces_;  // on velocities, a column of unit size for each multiplier
   VecX sizes_;   // that the columns had
-  MatX self_stresses_;
   MatX permitted_;  // velocities, orthonormal columns
   MatX self_stresses_;
   double largest_moved_ = 0.0;

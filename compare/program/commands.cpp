@@ -335,19 +335,34 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
   });
 }
 
+namespace {
+
+/// At the start.
+RedundancyView redundancy_of(const Model& model, const State& start, const std::array<SolverView, 2>& views) {
+  RedundancyView found;
+  if (const auto open = open_reactions(model, start, {views[0].rank, views[1].rank})) {
+    found.planar = planar_loops(model, start, *open);
+  }
+  found.cures = find_cures(model, start);
+  return found;
+}
+
+}  // namespace
+
 int show_info(const std::filesystem::path& file, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
     const Model given = read_model(file);
     const StartedMachine machine(given, makers);
     std::array<SolverView, 2> views;
+    State start;
     for (const Who who : kBothSolvers) {
       Solver& solver = machine.solver(who);
-      const State start = solver.assemble();
+      start = solver.assemble();
       views[index(who)] = {std::string(solver.name()), solver.cut_joints(), solver.integrators(), solver.rank(start)};
     }
-    console.out << format_info(machine.model(), views);
-    if (const auto start = start_of(given, machine, makers, SeekPoses::of_all)) {
-      console.out << '\n' << format_start(given, *start, true);
+    console.out << format_info(machine.model(), views, redundancy_of(machine.model(), start, views));
+    if (const auto told = start_of(given, machine, makers, SeekPoses::of_all)) {
+      console.out << '\n' << format_start(given, *told, true);
     }
     tell(machine.notes(), console);
   });

@@ -10,6 +10,7 @@
 #include "compare/report/table.h"
 #include "compare/report/text_table.h"
 #include "compare/report/told_axes.h"
+#include "compare/verdict/redundant.h"
 #include "compare/verdict/refinement.h"
 
 namespace concord::compare {
@@ -37,6 +38,23 @@ Line judged_cells(const QuantityRow* row) {
   if (!row->unique || !is_judged(*row) || !digits) return {"-", judgement_text(*row)};
   const std::string component = is_scalar_force(row->quantity.kind) ? "" : describe_component(row->quantity) + " ";
   return {fmt::format("{}{} ({:g})", component, format_digits(*digits), need_of(*row, check)), judgement_text(*row)};
+}
+
+/// Of the components of a row of forces, or of a vector of which a part is unique, whichever comes nearer to its need.
+Line judged_cells(const Verdict& verdict, const Quantity& of) {
+  const QuantityRow* row = worst_row(verdict, of);
+  const PartlyUnique* worst = nullptr;
+  for (const PartlyUnique& part : verdict.partly_unique) {
+    const bool is_of_row = part.of.kind == of.kind && part.of.owner == of.owner && part.of.side == of.side;
+    if (is_of_row && (worst == nullptr || part.unexplained_digits < worst->unexplained_digits)) worst = &part;
+  }
+  if (worst == nullptr) return judged_cells(row);
+  const double need = need_of(verdict, *worst);
+  const bool is_judged_by_row = row != nullptr && row->unique && is_judged(*row);
+  if (is_judged_by_row && margin(*row, tightest_check(*row)) < worst->unexplained_digits - need)
+    return judged_cells(row);
+  return {fmt::format("{} {} ({:g})", worst->of.component < 3 ? "F" : "T", format_digits(worst->digits), need),
+          to_string(worst->holds(need) ? Judgement::agree : Judgement::differ)};
 }
 
 Line wrench_line(const Model& model, const ForcePeaks& row) {
@@ -71,7 +89,7 @@ TextTable table_of(const Model& model, const std::vector<ForcePeaks>& rows, Line
   for (const ForcePeaks& row : rows) {
     Line& line = lines.emplace_back(is_scalar_force(row.of.kind) ? line_along(model, row) : wrench_line(model, row));
     if (verdict == nullptr) continue;
-    const Line judged = judged_cells(worst_row(*verdict, row.of));
+    const Line judged = judged_cells(*verdict, row.of);
     line.insert(line.end(), judged.begin(), judged.end());
   }
   return {std::move(lines), std::move(right)};
@@ -222,7 +240,16 @@ const QuantityRow* worst_row(const Verdict& verdict, const Quantity& of) {
 std::vector<ForcePeaks> peaks_of(const Model& model, const Verdict& verdict) {
   if (verdict.rows.empty() && verdict.others.empty()) return {};
   const Trajectory* run = told_runs(verdict)[0];
-  return force_peaks(QuantityLayout(model), run, run != nullptr ? &*verdict.unique : nullptr, verdict.axes);
+  std::vector<ForcePeaks> all =
+      force_peaks(QuantityLayout(model), run, run != nullptr ? &*verdict.unique : nullptr, verdict.axes);
+  for (const PartlyUnique& part : verdict.partly_unique) {
+    const auto row = std::find_if(all.begin(), all.end(), [&](const ForcePeaks& one) {
+      return one.of.kind == part.of.kind && one.of.owner == part.of.owner && one.of.side == part.of.side;
+    });
+    if (row == all.end() || run == nullptr) continue;
+    row->parts[static_cast<std::size_t>(part.of.component / 3)] = {true, "part", Peak{part.peak, part.t_peak, 0.0}};
+  }
+  return all;
 }
 
 std::string format_peaks(const Model& model, const Trajectory& run, const Mask* unique, std::optional<int> axes) {

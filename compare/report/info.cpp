@@ -7,6 +7,7 @@
 #include "compare/audit/carried_components.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/quantities/observe.h"
+#include "compare/report/redundancy_text.h"
 #include "compare/report/text_table.h"
 
 namespace concord::compare {
@@ -79,10 +80,12 @@ std::string coupling_table(const Model& model) {
   return format_table(lines, {false, false, true}) + '\n';
 }
 
-std::string not_unique(const Model& model, const SolverView& solver) {
+std::string not_unique(const Model& model, const SolverView& solver, const std::optional<PlanarLoops>& planar) {
   std::string text;
+  if (planar) text += planar_text(model, *planar) + " (concord compare --all lists them)\n";
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     for (const Side side : {Side::parent, Side::child}) {
+      if (is_across_plane(planar, static_cast<int>(k))) continue;
       std::string components;
       for (int c = 0; c < 6; ++c) {
         if (!carries(*model.joints[k].type, side, c) || solver.rank.joints.at(k).unique[index(side)][c]) continue;
@@ -109,12 +112,12 @@ std::string not_unique(const Model& model, const SolverView& solver) {
   return text;
 }
 
-std::string rank_text(const Model& model, const SolverView& solver) {
+std::string rank_text(const Model& model, const SolverView& solver, const std::optional<PlanarLoops>& planar) {
   std::string text = fmt::format("{}: {} constraints of rank {}, {} degrees of freedom, integrators {}\n", solver.name,
                                  solver.rank.constraints, solver.rank.rank, solver.rank.degrees_of_freedom,
                                  fmt::join(solver.integrators, ", "));
   if (solver.rank.undecided) text += "  the rank is undecided: a singular value lies between 1e-12 and 1e-8\n";
-  const std::string names = not_unique(model, solver);
+  const std::string names = not_unique(model, solver, planar);
   if (names.empty()) return text + "  every reaction component is unique\n";
   text += "  reactions that are not unique, and not judged:\n";
   std::size_t first = 0;
@@ -128,7 +131,8 @@ std::string rank_text(const Model& model, const SolverView& solver) {
 
 }  // namespace
 
-std::string format_info(const Model& model, const std::array<SolverView, 2>& solvers) {
+std::string format_info(const Model& model, const std::array<SolverView, 2>& solvers,
+                        const RedundancyView& redundancy) {
   const int bodies = static_cast<int>(model.bodies.size()) - 1;
   const int joints = static_cast<int>(model.joints.size());
   std::string text =
@@ -136,8 +140,8 @@ std::string format_info(const Model& model, const std::array<SolverView, 2>& sol
                   plural(bodies, "moving body", "moving bodies"), plural(joints, "joint", "joints"),
                   plural(joints - bodies, "loop", "loops"), model.gravity(0), model.gravity(1), model.gravity(2));
   text += body_table(model) + '\n' + joint_table(model, solvers) + '\n' + coupling_table(model) + element_table(model);
-  for (const SolverView& solver : solvers) text += rank_text(model, solver);
-  return text;
+  for (const SolverView& solver : solvers) text += rank_text(model, solver, redundancy.planar);
+  return text + cures_text(model, redundancy.cures);
 }
 
 }  // namespace concord::compare

@@ -23,8 +23,9 @@ struct Peak {
 
 /// The peak of |F| or |T| of a wrench [N, N m], or of a force along a coordinate and of the power that it delivers [W].
 struct ForcePeak {
-  bool exists = false;        // not where a joint carries no component of it, of a coupling's power, without a run
-  std::string axes;           // "xy": the components that it holds where others are not unique; empty: all
+  bool exists = false;  // not where a joint carries no component of it, of a coupling's power, without a run
+  /// "xy": the components that it holds where others are not unique; "part": what of the vector is; empty: all.
+  std::string axes;
   std::optional<Peak> value;  // missing where it is not unique
   /// In the axes of a body each component by itself, with its sign; missing where it is not unique in most samples.
   std::array<std::optional<Peak>, 3> components = {};

@@ -9,6 +9,7 @@
 #include "compare/quantities/align.h"
 #include "compare/report/explanations.h"
 #include "compare/report/force_json.h"
+#include "compare/report/redundancy_text.h"
 #include "compare/report/start_text.h"
 #include "compare/report/told_axes.h"
 #include "compare/verdict/carried.h"
@@ -132,6 +133,7 @@ Json document(const Model& model, const Verdict& verdict) {
   if (!verdict.notes.empty()) said["notes"] = verdict.notes;
   add_explanations(said, model, verdict);
   if (verdict.axes) said["axes"] = words_of(model, verdict.axes);
+  add_redundancy(said, model, verdict);
   if (verdict.start) said["start"] = start_json(model, *verdict.start);
   if (verdict.orders) said["orders"] = orders_of(*verdict.orders);
   if (!elements.empty()) said["elements"] = std::move(elements);

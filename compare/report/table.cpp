@@ -9,6 +9,7 @@
 
 #include "compare/audit/digits.h"
 #include "compare/report/force_table.h"
+#include "compare/report/redundancy_text.h"
 #include "compare/report/start_text.h"
 #include "compare/report/table_parts.h"
 #include "compare/report/text_table.h"
@@ -137,13 +138,15 @@ std::string unique_in_part(const Model& model, const Verdict& verdict) {
 
 }  // namespace
 
-std::string not_unique_text(const Model& model, const Verdict& verdict) {
+std::string not_unique_text(const Model& model, const Verdict& verdict, bool all_rows) {
   using RowKey = std::tuple<int, int, Kind, Actor>;
   std::map<RowKey, std::string> names;
   for (const std::vector<QuantityRow>* rows : {&verdict.rows, &verdict.others}) {
     for (const QuantityRow& row : *rows) {
       const bool is_named = rows == &verdict.rows || is_scalar_force(row.quantity.kind);
       if (row.unique || !is_named) continue;
+      const bool is_reaction = row.quantity.kind == Kind::reaction;
+      if (!all_rows && is_reaction && is_across_plane(verdict.planar, row.quantity.owner)) continue;
       std::string& line =
           names[RowKey(row.quantity.owner, index(row.quantity.side), row.quantity.kind, row.quantity.actor)];
       if (line.empty()) line = describe_owner(model, row.quantity) + ":";
@@ -151,8 +154,12 @@ std::string not_unique_text(const Model& model, const Verdict& verdict) {
     }
   }
   std::string text;
+  if (verdict.planar) {
+    text += fmt::format("not unique, not judged: {}{}\n", planar_text(model, *verdict.planar),
+                        all_rows ? "" : " (--all lists them)");
+  }
   for (const auto& [place, line] : names) text += fmt::format("not unique, not judged: {}\n", line);
-  return text + unique_in_part(model, verdict);
+  return text + unique_in_part(model, verdict) + partly_unique_text(model, verdict) + cures_text(model, verdict.cures);
 }
 
 namespace {
@@ -285,7 +292,7 @@ std::string format_verdict(const Model& model, const Verdict& verdict, bool all_
   text += format_forces(model, verdict);
   if (all_rows) text += component_tables(model, verdict);
   if (verdict.start) text += format_start(model, *verdict.start, all_rows) + '\n';
-  text += not_unique_text(model, verdict) + pair_sums_text(verdict);
+  text += not_unique_text(model, verdict, all_rows) + pair_sums_text(verdict);
   for (const Check check : kChecks) {
     const std::string others = also_compared(verdict, check);
     if (!others.empty()) text += fmt::format("also compared, digits at {}:{}\n", name_of(check), others);

@@ -21,7 +21,8 @@ bool agrees_with_reference(const Verdict& verdict);
 /// A line for each pair of bodies that share several joints: what these carry together.
 std::string pair_sums_text(const Verdict& verdict);
 
-/// Lines that name the components which are not unique, in all states or in some; empty if all are unique.
-std::string not_unique_text(const Model& model, const Verdict& verdict);
+/// Lines that name the components which are not unique, in all states or in some, one for the joints of planar loops
+/// unless `all_rows`, what of them is unique all the same, and what would cure it; empty if all are unique.
+std::string not_unique_text(const Model& model, const Verdict& verdict, bool all_rows);
 
 }  // namespace concord::compare

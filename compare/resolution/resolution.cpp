@@ -89,11 +89,12 @@ namespace {
 /// Of one state: the largest change of each quantity, as drawn and as closed by a solver.
 class StateResolution {
  public:
-  StateResolution(const QuantityLayout& layout, const SharedState& shared, UniqueRows unique, std::uint64_t seed,
-                  Resolution& result)
+  StateResolution(const QuantityLayout& layout, const SharedState& shared, UniqueRows unique,
+                  std::vector<Projection> parts, std::uint64_t seed, Resolution& result)
       : layout_(layout),
         shared_(shared),
         unique_(std::move(unique)),
+        parts_(std::move(parts)),
         sizes_(layout.model(), shared.state),
         seed_(seed),
         result_(result) {
@@ -112,7 +113,7 @@ class StateResolution {
     for (const State& drawn : drawn_) {
       const auto moved = answer(solver, drawn);
       if (!moved) continue;
-      change = change.cwiseMax((*moved - said).cwiseAbs());
+      change = change.cwiseMax(size_of(*moved - said));
       ++valid;
     }
     if (valid < kFewestDraws) return std::nullopt;
@@ -150,6 +151,18 @@ class StateResolution {
  private:
   static constexpr double kElsewhere = 1e-4;  // no round-off, however ill-conditioned the closing is
 
+  /// Of what is not unique the size of the unique part.
+  [[nodiscard]] VecX size_of(VecX difference) const {
+    for (const Projection& part : parts_) {
+      const Vec3 whole = difference.segment<3>(part.first);
+      const Vec3 on_unique = part.on_unique * whole;
+      for (int c = 0; c < 3; ++c) {
+        if (!unique_(part.first + c)) difference(part.first + c) = on_unique(c);
+      }
+    }
+    return difference.cwiseAbs();
+  }
+
   std::optional<VecX> answer(Solver& solver, const State& state) {
     try {
       VecX values = layout_.observe(state, solver.evaluate(state));
@@ -171,7 +184,7 @@ class StateResolution {
 
   void take_closing(Solver& solver, const VecX& said, double allowed, VecX& change) {
     if (const auto moved = answer_closed(solver, shared_.state, allowed)) {
-      change = change.cwiseMax((*moved - said).cwiseAbs());
+      change = change.cwiseMax(size_of(*moved - said));
     }
   }
 
@@ -185,13 +198,14 @@ class StateResolution {
       const std::uint64_t seed = seed_ + static_cast<std::uint64_t>(kDraws + pair);
       const auto one = answer_closed(solver, draw_within_roundoff(shared_.state, sizes_, seed, kSide), allowed);
       const auto other = answer_closed(solver, draw_within_roundoff(shared_.state, sizes_, seed, -kSide), allowed);
-      if (one && other) change = change.cwiseMax((0.5 * (*one + *other) - said).cwiseAbs());
+      if (one && other) change = change.cwiseMax(size_of(0.5 * (*one + *other) - said));
     }
   }
 
   const QuantityLayout& layout_;
   const SharedState& shared_;
   UniqueRows unique_;
+  std::vector<Projection> parts_;
   MachineSize sizes_;
   std::uint64_t seed_;
   Resolution& result_;
@@ -209,7 +223,7 @@ std::uint64_t seed_of(std::uint64_t seed, Eigen::Index state) {
 
 Resolution measure_resolution(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers,
                               const std::vector<SharedState>& states, const Mask& unique,
-                              const std::vector<Measured>& measured, std::uint64_t seed) {
+                              const std::vector<Measured>& measured, std::uint64_t seed, const Projections& parts) {
   const auto rows = static_cast<Eigen::Index>(layout.quantities().size());
   const auto columns = static_cast<Eigen::Index>(states.size());
   Resolution result;
@@ -219,7 +233,9 @@ Resolution measure_resolution(const QuantityLayout& layout, const std::array<Sol
   for (Eigen::Index row = 0; row < rows; ++row) scales(row) = measured[static_cast<std::size_t>(row)].scale;
   for (Eigen::Index column = 0; column < columns; ++column) {
     const SharedState& shared = states[static_cast<std::size_t>(column)];
-    StateResolution one(layout, shared, unique.col(column), seed_of(seed, column), result);
+    StateResolution one(layout, shared, unique.col(column),
+                        parts.empty() ? std::vector<Projection>() : parts[static_cast<std::size_t>(column)],
+                        seed_of(seed, column), result);
     std::array<VecX, 2> said;
     std::array<std::optional<VecX>, 2> change;
     double amplification = HUGE_VAL;  // that of the solver that knows better: what the machine has
@@ -252,7 +268,7 @@ MatX measure_own_resolution(const QuantityLayout& layout, Solver& solver, Who wh
                             static_cast<Eigen::Index>(states.size()), kUnknown);
   for (Eigen::Index column = 0; column < own.cols(); ++column) {
     const SharedState& state = states[static_cast<std::size_t>(column)];
-    StateResolution one(layout, state, unique.col(column), seed_of(seed, column), counts);
+    StateResolution one(layout, state, unique.col(column), {}, seed_of(seed, column), counts);
     const VecX said = layout.observe(state.state, state.evaluations[index(who)]);
     if (const auto change = one.of_draws(solver, said)) {
       own.col(column) = one.with_closings(solver, said, *change, one.amplification(said, *change));

@@ -39,6 +39,14 @@ struct Resolution {
   std::vector<std::string> singular;
 };
 
+/// The part of three components that is unique though they themselves are not: rows of the layout from `first` on, and
+/// the projector on that part.
+struct Projection {
+  int first = 0;
+  Mat3 on_unique = Mat3::Identity();
+};
+using Projections = std::vector<std::vector<Projection>>;  // by state
+
 /// How far two states are from each other, relative to the sizes of their numbers; modes by how far they move a body,
 /// as they may be nothing but round-off; velocities of a machine at rest by one that it hardly would be seen to have.
 double distance(const State& one, const State& other, const MachineSize& sizes);
@@ -50,10 +58,11 @@ State draw_within_roundoff(const State& state, const MachineSize& sizes, std::ui
 /// Measures the resolution in every state: the largest change over kDraws draws, handed to both solvers, and over a
 /// closing by each; near singular poses, over closings from nearby. Over the three components of a force, torque or
 /// acceleration the largest of those that are `unique` in the state (rows of the layout, columns: states); plus the
-/// floor, a unit of round-off of the larger of the scale (`measured`, one for each quantity) and of the terms.
+/// floor, a unit of round-off of the larger of the scale (`measured`, one for each quantity) and of the terms. Of
+/// components that are not unique, but a part of them is (`parts`), that of the part; empty: there are none.
 Resolution measure_resolution(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers,
                               const std::vector<SharedState>& states, const Mask& unique,
-                              const std::vector<Measured>& measured, std::uint64_t seed);
+                              const std::vector<Measured>& measured, std::uint64_t seed, const Projections& parts = {});
 
 /// The same of one solver alone, without the floor: the largest change of its answers, which stand in the states' place
 /// `who`.

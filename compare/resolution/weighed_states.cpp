@@ -17,10 +17,11 @@ WeighedStates weigh(const QuantityLayout& layout, const std::array<Solver*, 2>& 
   weighed.states = std::move(states);
   weighed.mask = judged_states(layout, weighed.reports);
   leave_out_isolated(layout, weighed.states, weighed.reports, weighed.mask);
+  weighed.open = open_reactions(layout.model(), weighed.states, weighed.reports);
   weighed.findings = compare_uniqueness(layout, weighed.states, weighed.reports);
   weighed.series = align(layout, weighed.states);
-  weighed.resolution =
-      measure_resolution(layout, solvers, weighed.states, weighed.mask, measure(layout, weighed.series), seed);
+  weighed.resolution = measure_resolution(layout, solvers, weighed.states, weighed.mask,
+                                          measure(layout, weighed.series), seed, projections_of(layout, weighed.open));
   weighed.singular = weighed.poses.reasons(solvers, weighed.states, weighed.reports);
   for (std::size_t k = 0; k < weighed.states.size(); ++k) {
     const std::string& within_round_off = weighed.resolution.singular[k];

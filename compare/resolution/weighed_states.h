@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "compare/resolution/open_reactions.h"
 #include "compare/resolution/resolution.h"
 #include "compare/resolution/uniqueness.h"
 
@@ -16,6 +17,8 @@ struct WeighedStates {
   RankReports reports;
   /// Where each quantity is unique.
   Mask mask;
+  /// In which directions reactions are not unique.
+  OpenReactions open;
   Resolution resolution;
   SingularPoses poses;
   /// Of each state why it is singular, by its rank or within round-off, so that nothing is judged there; empty for all

@@ -98,18 +98,6 @@ void Judge::judge_rows() {
       [](const SolverSummary& solver) { return solver.audit_digits && *solver.audit_digits >= solver.audit_need; });
 }
 
-void judge_pair_sums(const QuantityLayout& layout, const WeighedStates& weighed, const std::vector<Measured>& measured,
-                     Verdict& verdict) {
-  verdict.pair_sums = compare_pair_sums(layout, weighed.states, measured, weighed.budget());
-  const double need = verdict.need.same_state;
-  for (const PairSum& pair : verdict.pair_sums) {
-    if (pair.holds(need) || !verdict.findings.empty()) continue;
-    verdict.findings.push_back(
-        {fmt::format("sum of {}: {} digits (need {:.1f})", pair.what, format_digits(pair.digits), need),
-         "same state: the joints' total on the body differs"});
-  }
-}
-
 void conclude(Verdict& verdict) {
   leave_out_repeated(verdict.failures);
   if (!verdict.failures.empty()) {

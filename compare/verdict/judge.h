@@ -57,10 +57,6 @@ class Judge {
   std::vector<Quantity> known_;  // named by a finding already
 };
 
-/// Puts those of states that were weighed into the verdict; one that differs is a finding if nothing else is.
-void judge_pair_sums(const QuantityLayout& layout, const WeighedStates& weighed, const std::vector<Measured>& measured,
-                     Verdict& verdict);
-
 /// The outcome: failed if there is a failure, else differ if there is a finding, else agree.
 void conclude(Verdict& verdict);
 

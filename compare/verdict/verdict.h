@@ -10,6 +10,7 @@
 #include "common/run_options.h"
 #include "compare/attribution/cause.h"
 #include "compare/audit/audit_ledger.h"
+#include "compare/audit/cures.h"
 #include "compare/audit/energy.h"
 #include "compare/audit/geometric_stiffness.h"
 #include "compare/quantities/agreement.h"
@@ -19,6 +20,7 @@
 #include "compare/quantities/sums.h"
 #include "compare/quantities/third_opinion.h"
 #include "compare/resolution/orders.h"
+#include "compare/resolution/partly_unique.h"
 #include "compare/states/draws.h"
 #include "compare/states/start_report.h"
 #include "compare/verdict/two_by_two.h"
@@ -157,7 +159,10 @@ struct Verdict {
   std::optional<MotionAgreement> motion;
   std::optional<MotionAgreement> refined_motion;
   std::vector<PairSum> pair_sums;
-  std::string reference_file;  // empty: none
+  std::vector<PartlyUnique> partly_unique;
+  std::optional<PlanarLoops> planar;  // where what is not unique lies across the plane of the machine's loops
+  Cures cures;                        // of redundant constraints, in the first state that is judged
+  std::string reference_file;         // empty: none
   std::vector<ReferenceRow> references;
   std::optional<ThirdReport> third;  // what another program says, if one was asked for
 

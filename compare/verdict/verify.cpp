@@ -18,6 +18,7 @@
 #include "compare/verdict/assemble_both.h"
 #include "compare/verdict/blame.h"
 #include "compare/verdict/judge.h"
+#include "compare/verdict/redundant.h"
 #include "compare/verdict/runs.h"
 #include "compare/verdict/same_state.h"
 #include "compare/verdict/third_words.h"
@@ -168,7 +169,7 @@ class Verification {
         auditors_[index(who)].add(one.state, one.evaluations[index(who)], redraws_[index(who)]);
       }
     }
-    judge_pair_sums(layout_, weighed, measured, verdict_);
+    judge_redundant(layout_, weighed, measured, verdict_);
     ask_third_opinion();
   }
 

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "common/joints/catalogue.h"
 #include "compare/report/force_table.h"
 #include "tests/unit/fake_pendulum.h"
 
@@ -38,6 +39,38 @@ TEST(InfoTest, CouplingsWhoseForceIsNotUniqueAreNamed) {
   const SolverView one{"cartesian", {}, {"rk4"}, rank};
   EXPECT_THAT(format_info(model, {one, one}),
               HasSubstr("  reactions that are not unique, and not judged:\n    coupling right belt: force\n"));
+}
+
+TEST(InfoTest, JointsOfPlanarLoopsTakeOneLineAndCuresAreTold) {
+  Model model = pendulum_model();
+  Joint other = model.joints[0];
+  other.name = "B";
+  model.joints.push_back(other);
+  RankReport rank;
+  rank.joints.resize(2);
+  for (JointUniqueness& joint : rank.joints) {
+    for (auto& side : joint.unique) side[2] = side[3] = false;
+  }
+  const SolverView one{"cartesian", {}, {"rk4"}, rank};
+  RedundancyView redundancy;
+  redundancy.planar = PlanarLoops{{0, 1}, false, Vec3(0, 0, 1)};
+  redundancy.cures.found = {{{0, joints::find("cylindrical")}, {1, joints::find("spherical")}}};
+  redundancy.cures.found.resize(5, redundancy.cures.found[0]);
+  redundancy.cures.tried = 7;
+  const std::string text = format_info(model, {one, one}, redundancy);
+  EXPECT_THAT(text, HasSubstr("  reactions that are not unique, and not judged:\n    across the plane of the loops, "
+                              "normal (0, 0, 1): forces along it in joints A, B (concord compare --all lists them)\n"
+                              "cartesian: "));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("joint A on bob:")));
+  EXPECT_THAT(text, HasSubstr("\nall reactions would be unique if joint A were cylindrical and joint B spherical\n"));
+  EXPECT_THAT(text, ::testing::EndsWith("\nand so with 2 more such changes of two joints (7 tried)\n"));
+  redundancy.planar->has_torques = true;
+  redundancy.cures.found.clear();
+  redundancy.cures.is_complete = false;
+  EXPECT_THAT(format_info(model, {one, one}, redundancy),
+              ::testing::AllOf(HasSubstr(": forces along it and torques about axes in the plane in joints A, B ("),
+                               ::testing::EndsWith("\nno other types of one joint or of two make all reactions unique "
+                                                   "at the same degrees of freedom (7 tried, no more)\n")));
 }
 
 TEST(PeaksTest, NameTheirTimes) {
