@@ -18,6 +18,7 @@ OpenDirections open_directions(const MachineConstraints& constraints, int joint,
   constexpr double kIndependent = 1e-6;
   constexpr double kOtherThreshold = 30.0;
   constexpr double kSmallDoubt = 1e-10;
+  constexpr double kClearlyMoved = 1e-4;
   OpenDirections open;
   open.directions.resize(3, 0);
   const MatX carried = constraints.reactions_on(joint, side).middleRows<3>(3 * part);
@@ -36,7 +37,8 @@ OpenDirections open_directions(const MachineConstraints& constraints, int joint,
   const double left = n < moved.sigma.size() ? moved.sigma(n) : 0.0;
   const double smallest_kept = std::min(constraints.report().smallest_kept, 1.0);
   open.doubt = std::max(left, round_off / smallest_kept) / moved.sigma(n - 1);
-  open.is_clear = open.is_clear && open.doubt < kSmallDoubt;
+  open.is_clear =
+      open.is_clear && open.doubt < kSmallDoubt && moved.sigma(n - 1) > kClearlyMoved * constraints.largest_moved();
   return open;
 }
 

@@ -1,9 +1,10 @@
 #include "compare/resolution/open_reactions.h"
 
-#include <algorithm>
-#include <cmath>
+#include <fmt/format.h>
+
 #include <set>
 
+#include "common/error.h"
 #include "compare/audit/carried_components.h"
 #include "compare/audit/places.h"
 
@@ -43,6 +44,24 @@ bool finds_all_unique(const Model& model, const RankReport& report) {
   return true;
 }
 
+/// A component that is unique has no part along what is open, and one that is open has some.
+void require_as_components(const Model& model, const RankReport& report, const OpenReaction& one) {
+  constexpr double kNone = 1e-3;
+  constexpr double kSome = 1e-8;
+  const Joint& joint = model.joints[static_cast<std::size_t>(one.of.owner)];
+  const auto& unique = report.joints[static_cast<std::size_t>(one.of.owner)].unique[index(one.of.side)];
+  for (int c = 0; c < 3; ++c) {
+    const int component = one.of.component + c;
+    if (!carries(*joint.type, one.of.side, component)) continue;
+    const double left_out = (Vec3::Unit(c) - one.open.projector() * Vec3::Unit(c)).norm();
+    if (unique[static_cast<std::size_t>(component)] ? left_out < kNone : left_out > kSome) continue;
+    throw SolverError(fmt::format(
+        "{}: concord's own directions in which it is open are wrong, neither the model nor a solver is: {} is {}unique",
+        describe_owner(model, one.of), component_names()[static_cast<std::size_t>(component)],
+        unique[static_cast<std::size_t>(component)] ? "" : "not "));
+  }
+}
+
 }  // namespace
 
 std::optional<std::vector<OpenReaction>> open_reactions(const Model& model, const State& state,
@@ -63,6 +82,7 @@ std::optional<std::vector<OpenReaction>> open_reactions(const Model& model, cons
         const OpenReaction one{{Kind::reaction, joint, side, 3 * part},
                                open_directions(constraints, joint, side, part)};
         if (!one.open.is_clear) return std::nullopt;
+        require_as_components(model, audit, one);
         if (one.open.directions.cols() > 0) found.push_back(one);
       }
     }

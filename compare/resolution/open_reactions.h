@@ -21,7 +21,8 @@ struct OpenReaction {
 };
 
 /// Those of one state, in the layout's order; nothing where a direction is in doubt, or where the audit finds other
-/// components unique than one of the solvers does. Empty where both find everything unique.
+/// components unique than one of the solvers does. Empty where both find everything unique. Throws SolverError if a
+/// direction does not lie where the components are open.
 std::optional<std::vector<OpenReaction>> open_reactions(const Model& model, const State& state,
                                                         const std::array<RankReport, 2>& reports);
 

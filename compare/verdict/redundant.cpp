@@ -34,17 +34,14 @@ void judge_partly_unique(const QuantityLayout& layout, const WeighedStates& weig
   }
 }
 
-std::string vectors_text(const Mat3X& vectors) {
-  std::string text;
-  for (Eigen::Index c = 0; c < vectors.cols(); ++c) {
-    Vec3 v = vectors.col(c);
-    Eigen::Index largest = 0;
-    v.cwiseAbs().maxCoeff(&largest);
-    if (v(largest) < 0.0) v = -v;
-    v = (v.array().abs() < 1e-12).select(0.0, v);
-    text += fmt::format("{}({:.6g}, {:.6g}, {:.6g})", text.empty() ? "" : " and ", v(0), v(1), v(2));
-  }
-  return text;
+/// With the sign that makes its largest component positive.
+std::string vector_text(const Vec3& direction) {
+  constexpr double kNothing = 1e-12;
+  Eigen::Index largest = 0;
+  direction.cwiseAbs().maxCoeff(&largest);
+  const double sign = direction(largest) < 0.0 ? -1.0 : 1.0;
+  const Vec3 told = (direction.array().abs() < kNothing).select(0.0, sign * direction);
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", told(0), told(1), told(2));
 }
 
 }  // namespace
@@ -62,8 +59,10 @@ double need_of(const Verdict& verdict, const PartlyUnique& part) {
 
 std::string describe(const Model& model, const PartlyUnique& part) {
   const Attachment& side = model.joints[static_cast<std::size_t>(part.of.owner)].on(part.of.side);
-  return fmt::format("{}, {} but for its part along {} of {}{}", describe_owner(model, part.of),
-                     part.of.component < 3 ? "F" : "T", vectors_text(part.left_out),
+  const bool is_line = part.left_out.cols() == 2;
+  const Vec3 direction = is_line ? Vec3(part.left_out.col(0).cross(part.left_out.col(1))) : Vec3(part.left_out.col(0));
+  return fmt::format("{}, {} {} {} of {}{}", describe_owner(model, part.of), part.of.component < 3 ? "F" : "T",
+                     is_line ? "only along" : "but for its part along", vector_text(direction),
                      model.bodies[static_cast<std::size_t>(side.body)].name,
                      part.is_fixed ? "" : fmt::format(" at t = {:.4g} s", part.t));
 }

@@ -18,7 +18,8 @@ void judge_redundant(const QuantityLayout& layout, const WeighedStates& weighed,
 /// The digits that a vector needs in the same state: the fewest that its components need.
 double need_of(const Verdict& verdict, const PartlyUnique& part);
 
-/// "joint A on bob, F but for its part along (0.6, 0, 0.8) of bob".
+/// "joint A on bob, F but for its part along (0.6, 0, 0.8) of bob"; where two directions are left out, "F only along"
+/// the third one.
 std::string describe(const Model& model, const PartlyUnique& part);
 
 }  // namespace concord::compare

@@ -151,5 +151,18 @@ TEST_F(PartlyUniqueTest, TheDirectionLeftOutIsToldInTheAxesOfItsBody) {
                         axis(1), axis(2)));
 }
 
+TEST_F(PartlyUniqueTest, OfTwoDirectionsLeftOutTheThirdOneIsTold) {
+  PartlyUnique part;
+  part.of = {Kind::reaction, 0, Side::child, 3};
+  part.left_out = rotation_about(Vec3(2, -1, 2) / 3.0, 1.3).rightCols<2>();
+  part.is_fixed = false;
+  part.t = 0.25;
+  const Vec3 left = rotation_about(Vec3(2, -1, 2) / 3.0, 1.3).col(0);
+  EXPECT_EQ(describe(model_, part),
+            fmt::format("joint near on bob, T only along ({:.6g}, {:.6g}, {:.6g}) of bob at t = "
+                        "0.25 s",
+                        left(0), left(1), left(2)));
+}
+
 }  // namespace
 }  // namespace concord::compare
