@@ -26,7 +26,7 @@ int number_of(const std::vector<Fault>& faults, const std::string& name) {
 const std::vector<Standard>& standard_faults() {
   static const std::vector<Standard> kStandard{
       {"driver force left in the reaction", "machine_rigid"}, {"sign of the driver force", "machine_rigid"},
-      {"mass off by a part in 1e10", "machine_need"},         {"reaction on ground not opposite", "machine_redundant"},
+      {"mass off by a part in 1e10", "machine_need"},         {"reaction on ground not opposite", "machine_modes"},
       {"second derivative of a driver", "machine_rigid"},     {"soft part of a stop too weak", "machine_laws"},
       {"slip without its speed scale", "machine_tires"}};
   return kStandard;
