@@ -89,10 +89,11 @@ std::vector<Candidate> candidates(const Model& model, const MachineConstraints& 
 
 /// Whether no self-stress is left that does no work along what is freed: then no constraint is redundant, and as many
 /// directions are freed as there were redundant constraints, so that none of them is a motion of the machine.
-bool leaves_none(const MatX& work) {
+/// `largest`: that self-stresses move of any wrench.
+bool leaves_none(const MatX& work, double largest) {
   constexpr double kClear = 1e-6;
   const VecX sizes = singular_values(work);
-  return sizes.size() >= work.cols() && sizes(work.cols() - 1) > kClear * sizes(0);
+  return sizes.size() >= work.cols() && sizes(work.cols() - 1) > kClear * largest;
 }
 
 }  // namespace
@@ -109,7 +110,7 @@ Cures find_cures(const Model& model, const State& state, int most_tries) {
       return;
     }
     ++cures.tried;
-    if (leaves_none(work)) cures.found.push_back(changes);
+    if (leaves_none(work, constraints.largest_moved())) cures.found.push_back(changes);
   };
   for (const Candidate& one : all) {
     if (one.freed == cures.redundant) try_out(one.work, {one.change});

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+
+#include "common/joints/distance.h"
 #include "common/joints/revolute.h"
 #include "common/joints/spherical.h"
 #include "tests/unit/fake_pendulum.h"
@@ -52,6 +55,20 @@ TEST_F(CuresTest, EitherOfTwoHingesIsOneTooMany) {
   EXPECT_EQ(told(), (std::vector<std::string>{"joint A were free", "joint beside were free"}));
   model_.joints[0].drivers = {{0, Polynomial{{0.7, 3.1}}}};
   EXPECT_EQ(told(), std::vector<std::string>{"joint beside were free"}) << "a driver needs its coordinate";
+}
+
+/// A rod that meets the hinge in its point, across its axis, pushes along nothing that a sleeve would free.
+TEST_F(CuresTest, AChangeThatFreesNothingOfTheSelfStressIsNoCure) {
+  Joint rod = model_.joints[0];
+  rod.name = "rod";
+  rod.own_type = std::make_shared<joints::JointType>(joints::distance.with_parameters({0.3}));
+  rod.type = rod.own_type.get();
+  const Mat3 hinge = rod.sides[0].C;
+  rod.sides[0].C << hinge.col(1), hinge.col(2), hinge.col(0);  // z along the rod
+  rod.sides[0].point_L -= 0.3 * hinge.col(0);
+  model_.joints.push_back(rod);
+  EXPECT_EQ(find_cures(model_, state_).redundant, 1);
+  EXPECT_EQ(told(), std::vector<std::string>{"joint rod were free"});
 }
 
 TEST_F(CuresTest, TheSearchEndsAfterSoManyTries) {
