@@ -83,6 +83,10 @@ concord.Plots = class {
       concord.element("span", { text: `${concord.components[component]} [${unit}]` }),
       concord.element("span", { class: kind, text: row ? `${verdict}${row.digits[1] === null ? "" : ", " + concord.digits(row.digits[1]) + " digits"}` : verdict })));
     this.charts.append(box);
+    if (row && row.unique === false) {
+      box.append(concord.element("p", { text: "Not unique: infinitely many values hold the machine together alike, and none of them is drawn." }));
+      return;
+    }
     if (!curve) {
       box.append(concord.element("p", { text: "Zero throughout." }));
       return;
