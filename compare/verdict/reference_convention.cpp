@@ -57,12 +57,38 @@ bool holds_all(const std::vector<std::string>& lines, const std::vector<std::str
   });
 }
 
+/// All conventions for these columns. A word is left to the names of the columns where they say different things by it,
+/// as where a table has both sides of a joint.
+std::vector<Convention> conventions_for(const Reference& as_named) {
+  const auto names_differ = [&](const auto& said) {
+    const auto says = [&](const ReferenceColumn& one) { return said(one.column); };
+    return std::any_of(as_named.columns.begin(), as_named.columns.end(), says) &&
+           !std::all_of(as_named.columns.begin(), as_named.columns.end(), says);
+  };
+  const auto is_of = [](Field one, Field other) {
+    return [one, other](const Column& column) { return column.field == one || column.field == other; };
+  };
+  std::vector<ConventionWord> left;
+  if (names_differ([](const Column& column) { return column.side == Side::parent; })) {
+    left.push_back(ConventionWord::side);
+  }
+  if (names_differ(is_of(Field::reaction_global, Field::total_global))) left.push_back(ConventionWord::axes);
+  if (names_differ(is_of(Field::total, Field::total_global))) left.push_back(ConventionWord::driver);
+  std::vector<Convention> all = all_conventions();
+  for (const ConventionWord word : left) {
+    const auto place = static_cast<std::size_t>(word);
+    std::erase_if(all, [place](const Convention& one) { return one[place] != 0; });
+    for (Convention& one : all) one[place].reset();
+  }
+  return all;
+}
+
 /// Conventions in which no column is wrong, and their lines in a header; those of few lines first, and none that says
 /// more than another one.
 using Fitting = std::vector<std::pair<Convention, std::vector<std::string>>>;
 Fitting fitting(const Standard& standard, const Reference& as_named, const std::string& joint) {
   Fitting found;
-  for (const Convention& convention : all_conventions()) {
+  for (const Convention& convention : conventions_for(as_named)) {
     const std::vector<ReferenceRow> rows = rows_in(standard, as_named, {{"", convention}});
     const auto has = [&](ReferenceWord word) {
       return std::any_of(rows.begin(), rows.end(), [word](const ReferenceRow& row) { return row.word == word; });

@@ -151,8 +151,29 @@ bool may_be_many(std::size_t k, const Standard& standard, const ReferenceColumn&
   return !std::isnan(said.values[k]) && !said.column.is_own && std::isnan(value_of(said.column, *standard.known[k]));
 }
 
-/// What no self-stress explains of the differences at time `k`: a number for each column, in its error, which a sum of
-/// n squares that are at most 1 each does not exceed; NaN for a column that is unique there, or moved by none.
+/// What is left of `differences` by that sum of `moves` whose largest rest is about the smallest there is: least
+/// squares with weights that grow where more is left (Lawson 1961). Ends where the largest is at most 1, or cannot be.
+VecX smallest_rest(const MatX& moves, const VecX& differences) {
+  constexpr int kRounds = 60;
+  VecX weights = VecX::Constant(differences.size(), 1.0 / static_cast<double>(differences.size()));
+  VecX best;
+  for (int round = 0; round < kRounds; ++round) {
+    const VecX roots = weights.cwiseSqrt();
+    const MatX weighted = roots.asDiagonal() * moves;
+    const VecX rest = differences - moves * smallest_least_squares(weighted, roots.cwiseProduct(differences));
+    const double largest = rest.cwiseAbs().maxCoeff();
+    if (best.size() == 0 || largest < best.cwiseAbs().maxCoeff()) best = rest;
+    const double least = rest.cwiseProduct(roots).norm();  // none has a smaller largest rest
+    if (largest <= 1.0 || least > 1.0) break;
+    weights = weights.cwiseProduct(rest.cwiseAbs());
+    if (!(weights.sum() > 0.0)) break;
+    weights /= weights.sum();
+  }
+  return best;
+}
+
+/// What no self-stress explains of the differences at time `k`: a number for each column, in its error; NaN for a
+/// column that is unique there, or moved by none.
 VecX unexplained_at(std::size_t k, const Standard& standard, const Reference& reference,
                     const std::vector<ReferenceRow>& rows) {
   constexpr double kMoved = 1e-9;  // of what is moved most
@@ -180,24 +201,27 @@ VecX unexplained_at(std::size_t k, const Standard& standard, const Reference& re
     moves.row(c).setZero();
     differences(c) = 0.0;
   }
-  const VecX left = differences - moves * smallest_least_squares(moves, differences);
-  return is_moved.select(left.cwiseAbs() / std::sqrt(static_cast<double>(is_moved.count())), kNothing);
+  return is_moved.select(smallest_rest(moves, differences).cwiseAbs(), kNothing);
 }
 
 /// Judges the columns where they are one of many. Returns how many numbers are neither that nor unique.
 int judge_one_of_many(const Standard& standard, const Reference& reference, std::vector<ReferenceRow>& rows) {
+  constexpr double kExplained = 1.1;  // of its error: the smallest rest is found to a few percent
   int left_out = 0;
+  std::vector<double> most(rows.size(), kExplained);
   for (std::size_t k = 0; k < reference.times.size(); ++k) {
     const VecX unexplained = unexplained_at(k, standard, reference, rows);
     for (std::size_t c = 0; c < rows.size(); ++c) {
       const double left = unexplained(static_cast<Eigen::Index>(c));
       ReferenceRow& row = rows[c];
       if (std::isnan(left) && may_be_many(k, standard, reference.columns[c])) ++left_out;
-      if (std::isnan(left) || row.word == ReferenceWord::wrong) continue;
-      if (left <= 1.0) {
-        row.word = ReferenceWord::one_of_many;
+      const bool is_wrong = row.word == ReferenceWord::wrong;
+      if (std::isnan(left) || (is_wrong && most[c] == kExplained)) continue;
+      if (left <= most[c]) {
+        if (!is_wrong) row.word = ReferenceWord::one_of_many;
         continue;
       }
+      most[c] = left;
       row.word = ReferenceWord::wrong;
       row.t = reference.times[k];
       row.line = reference.lines[k];

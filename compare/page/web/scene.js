@@ -30,17 +30,18 @@ concord.Scene = class {
     this.up = concord.dot(g, g) > 0 ? concord.unit(concord.scaled(-1, g)) : [0, 0, 1];
     this.across = concord.across(this.up).map((way) => concord.scaled(-1, way));  // seen so that x points to the right
     this.picture = new concord.Picture(this.machine, this.first);
+    this.open = this.machine.joints.map((_, k) => machine.rows.filter((r) => r.kind === "joint" && r.owner === k && r.side === 1 && r.component < 3 && r.unique === false).map((r) => r.component));
     this.largest = this.largestForce();
     this.fit();
   }
 
   largestForce() {
-    let most = 0;
-    for (const poses of this.runs.filter(Boolean)) {
-      const values = poses.loads.joint || [];
-      for (let k = 0; k + 5 < values.length; k += 6) most = Math.max(most, Math.hypot(values[k], values[k + 1], values[k + 2]) || 0);
-    }
-    return most;
+    if (!this.first) return 0;
+    return this.first.t.reduce((most, t) => {
+      const where = this.first.at(t);
+      const bodies = this.picture.posesAt(where);
+      return this.machine.joints.reduce((so, _, k) => Math.max(so, Math.hypot(...this.uniqueForce(this.first, bodies, k, where))), most);
+    }, 0);
   }
 
   /** Looks across the plane of a planar machine, else from a side and above; at all that the run reaches, or, of a
@@ -96,11 +97,20 @@ concord.Scene = class {
     return { right, above: concord.cross(toward, right), toward };
   }
 
+  /** The force on a joint's child without what is one of many: components that are not unique. */
+  uniqueForce(poses, bodies, k, where) {
+    const force = poses.load("joint", k, where).slice(0, 3).map((v) => v || 0);
+    return this.open[k].reduce((left, axis) => {
+      const way = this.picture.axisOf(bodies, this.machine.joints[k].child, axis);
+      return concord.minus(left, concord.scaled(concord.dot(left, way), way));
+    }, force);
+  }
+
   /** Where reactions act on children, and the forces in metres of the picture. */
   arrows(bodies, where) {
     if (!(this.largest > 0)) return [];
     return this.machine.joints.map((joint, k) => {
-      const force = this.first.load("joint", k, where).slice(0, 3).map((v) => v || 0);
+      const force = this.uniqueForce(this.first, bodies, k, where);
       return [this.picture.pointOf(bodies, joint.child), concord.scaled(0.45 * this.picture.size / this.largest, force)];
     });
   }
