@@ -97,8 +97,8 @@ class MachineConstraints {
   std::vector<AtJoint> joints_;
   std::vector<std::string> owners_;  // of each column
   std::vector<Eigen::Index> couplings_;
-  MatX forces_;  // on velocities, a column of unit size for each multiplier
-  VecX sizes_;   // that the columns had
+  MatX forces_;     // on velocities, a column of unit size for each multiplier
+  VecX sizes_;      // that the columns had
   MatX permitted_;  // velocities, orthonormal columns
   MatX self_stresses_;
   double largest_moved_ = 0.0;
