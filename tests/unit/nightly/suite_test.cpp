@@ -1,4 +1,5 @@
 #include "compare/nightly/suite.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,7 +7,6 @@
 
 #include "cartesian/solver.h"
 #include "common/error.h"
-#include "compare/nightly/case_model.h"
 #include "compare/nightly/case_model.h"
 #include "compare/nightly/trial.h"
 #include "compare/report/files.h"
