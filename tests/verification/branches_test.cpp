@@ -151,8 +151,8 @@ TEST_CASE("Starts that are whole turns apart are one, unless something reads the
     CHECK(std::abs(solvers[0]->assemble().q[3](0) - solvers[1]->assemble().q[3](0)) < 1e-9);
     return note;
   };
-  CHECK(note_of("") == "");
-  CHECK(note_of("spring.turn_z = { damping = 3, preload = 2 }") == "");
+  CHECK(note_of("").empty());
+  CHECK(note_of("spring.turn_z = { damping = 3, preload = 2 }").empty());
   CHECK(note_of("spring.turn_z = { stiffness = 3 }").find("different branches (turn_z of BC 284") != std::string::npos);
   const Model model = three_bars("");
   expect_to_agree(model, in_short(model, 1.0));
