@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
-#include <cstdint>
 #include <ctime>
 #include <limits>
 #include <ostream>
@@ -114,13 +113,11 @@ std::string utc_now() {
 
 std::string page_name_of(const std::string& id) {
   std::string name = id;
-  std::uint32_t hash = 2166136261U;  // FNV-1a
   for (char& letter : name) {
-    hash = (hash ^ static_cast<unsigned char>(letter)) * 16777619U;
     const bool is_plain = std::isalnum(static_cast<unsigned char>(letter)) != 0 || letter == '.' || letter == '-';
     if (!is_plain) letter = '_';
   }
-  return fmt::format("case_{}_{:08x}.html", name.substr(0, 100), hash);
+  return fmt::format("case_{}_{:016x}.html", name.substr(0, 100), hash_of(id));
 }
 
 void put_longest_first(const std::map<std::string, double>& wall_times, std::vector<const Case*>& cases) {

@@ -22,8 +22,8 @@ struct NightOptions {
   std::filesystem::path pages = {};
 };
 
-/// "case_car_0a1b2c3d.html", a name for a file and a link: other characters than letters, digits and ".-_" give way,
-/// and the number tells apart what would then be called alike.
+/// "case_car_0a1b2c3d4e5f6071.html", a name for a file and a link: other characters than letters, digits and ".-_" give
+/// way, and the number tells apart what would then be called alike.
 std::string page_name_of(const std::string& id);
 
 /// "2026-11-22 23:14:05", UTC; the day is what stands before the space.

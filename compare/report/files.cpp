@@ -210,16 +210,19 @@ void write_file(const fs::path& path, std::string_view text) {
   unfinished_file.finish();
 }
 
+std::uint64_t hash_of(std::string_view text, std::uint64_t before) {
+  for (const char letter : text) before = (before ^ static_cast<unsigned char>(letter)) * 1099511628211U;
+  return before;
+}
+
 std::uint64_t hash_of_file(const fs::path& file) {
   std::error_code unknown;
   if (!fs::is_regular_file(file, unknown)) return 0;
   std::ifstream stream(file, std::ios::binary);
-  std::uint64_t hash = 14695981039346656037U;
+  std::uint64_t hash = hash_of("");
   std::array<char, 65536> chunk{};
   while (stream.read(chunk.data(), chunk.size()) || stream.gcount() > 0) {
-    for (std::streamsize k = 0; k < stream.gcount(); ++k) {
-      hash = (hash ^ static_cast<unsigned char>(chunk.at(static_cast<std::size_t>(k)))) * 1099511628211U;
-    }
+    hash = hash_of({chunk.data(), static_cast<std::size_t>(stream.gcount())}, hash);
   }
   return hash;
 }

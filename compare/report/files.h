@@ -23,6 +23,9 @@ void check_target_folder(const std::filesystem::path& folder);
 /// std::runtime_error if the disk is full.
 void write_file(const std::filesystem::path& path, std::string_view text);
 
+/// FNV-1a of a text; `before`: that of what stands before it.
+std::uint64_t hash_of(std::string_view text, std::uint64_t before = 14695981039346656037U);
+
 /// FNV-1a of what a file holds: says whether it is still the same. 0 of what is no regular file.
 std::uint64_t hash_of_file(const std::filesystem::path& file);
 
