@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/rotation.h"
 #include "compare/audit/places.h"
 
 namespace concord::compare {
@@ -49,12 +50,6 @@ Vec3 part_by_part(const Mat3& M, const Vec3& v) {
     }
   }
   return product;
-}
-
-Mat3 cross_with(const Vec3& v) {
-  Mat3 M;
-  M << 0.0, -v(2), v(1), v(2), 0.0, -v(0), -v(1), v(0), 0.0;
-  return M;
 }
 
 }  // namespace
@@ -102,8 +97,8 @@ void re_express(const Joint& joint, const Convention& convention, const State& s
     const Vec3 arm = here.r_P - place(beyond, state.bodies[static_cast<std::size_t>(beyond.body)]).r_P;
     for (SideWrench* wrench : {&wrenches.reaction[index(side)], &wrenches.total[index(side)]}) {
       if (about_other_point) {
-        wrench->in_global.torque += part_by_part(cross_with(arm), wrench->in_global.force);
-        wrench->in_C.torque += part_by_part(cross_with(here.A_joint.transpose() * arm), wrench->in_C.force);
+        wrench->in_global.torque += part_by_part(skew(arm), wrench->in_global.force);
+        wrench->in_C.torque += part_by_part(skew(here.A_joint.transpose() * arm), wrench->in_C.force);
       }
       if (!in_body_axes) continue;
       const Mat3 to_body = rotation_of(body.p).transpose() * here.A_joint;

@@ -22,7 +22,6 @@ concord.Extent = class {
   }
 
   take(point) { point.forEach((v, k) => { this.least[k] = Math.min(this.least[k], v); this.most[k] = Math.max(this.most[k], v); }); }
-  join(other) { if (!other.isEmpty()) { this.take(other.least); this.take(other.most); } }
   isEmpty() { return !(this.most[0] >= this.least[0]); }
   centre() { return this.least.map((v, k) => (v + this.most[k]) / 2); }
   reach() { return this.isEmpty() ? 0 : Math.hypot(...this.least.map((v, k) => (this.most[k] - v) / 2)); }
