@@ -229,7 +229,7 @@ void check_joint_case(const Case& one, Result& result) {
   result.total = sheet.looked();
   for (const joint_check::Property& property : sheet.properties) {
     if (!property.looked) continue;
-    if (!property.holds() && result.words.empty()) result.words = property.name + ": " + property.where;
+    if (!property.holds() && result.words.empty()) result.words = fmt::format("{}: {}", property.name, property.where);
     if (!property.need) continue;
     Component& component = result.components.emplace_back();
     component.name = property.name;
@@ -294,7 +294,8 @@ void fuzz_case(const Case& one, const std::filesystem::path& scratch, const Solv
   }
   if (result.ending == Ending::agree && fuzz::refuses_too_many(regular, refused)) {
     result.ending = Ending::differ;
-    result.words = fmt::format("{} of {} regular machines are refused: sound solvers refuse 1 %", refused, regular);
+    result.words =
+        fmt::format("{} of {} regular machines are refused, where sound solvers refuse about 1 %", refused, regular);
   }
 }
 
