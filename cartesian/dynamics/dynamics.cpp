@@ -97,6 +97,13 @@ const Solution& Dynamics::solve_at(double t, const Eigen::Ref<const VecX>& q, co
   return solve(pivots);
 }
 
+void Dynamics::accelerate(const Eigen::Ref<const VecX>& forces, Eigen::Ref<VecX> accelerations) {
+  unknowns_.setZero();
+  unknowns_.head(forces.size()) = forces;
+  matrix_.lu().solve(unknowns_);
+  accelerations = unknowns_.head(forces.size());
+}
+
 /// Whether the last solution needed correcting: as a whole, or the accelerations alone, which is where the tiny
 /// equations of a body far lighter than those that lead it are seen.
 bool Dynamics::magnifies_round_off() const {

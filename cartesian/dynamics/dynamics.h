@@ -58,6 +58,9 @@ class Dynamics {  // (C40)
   /// Updates the equations first.
   const Solution& solve_at(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y, Pivots pivots);
 
+  /// Accelerations that generalized forces (n_Y rows) cause by themselves at the last solution, as joints let them.
+  void accelerate(const Eigen::Ref<const VecX>& forces, Eigen::Ref<VecX> accelerations);
+
   /// A constraint row that takes no part because it depends on others, and whose accelerations those others contradict:
   /// the worst of those that miss by more than kContradiction of the machine's accelerations, if any.
   [[nodiscard]] std::optional<RowIndex> contradicted_row(const Solution& solution);

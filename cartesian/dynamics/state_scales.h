@@ -44,7 +44,7 @@ double largest_acceleration(const Equations& equations, const Eigen::Ref<const V
 
 /// Sizes of [q; Y; work] of a motion that starts so and goes on for `until` [s], what tolerances are parts of: lengths
 /// by the machine's, speeds by that which it starts with or would fall with, modal coordinates by the vibration at that
-/// speed (C58). A machine that starts at rest without gravity has the speed that its forces bring about over its
+/// speed (C63). A machine that starts at rest without gravity has the speed that its forces bring about over its
 /// length, or at least its length in the time of the run. At the last update.
 VecX motion_sizes(const Equations& equations, const VecX& q, const VecX& Y, double until);
 

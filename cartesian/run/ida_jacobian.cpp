@@ -24,7 +24,7 @@ IdaUnknowns::IdaUnknowns(const Equations& equations) {
 
 namespace {
 
-/// pdot = E(p)^T omega / 2 = Omega(omega) p / 2: the matrix Omega / 2 (C57).
+/// pdot = E(p)^T omega / 2 = Omega(omega) p / 2: the matrix Omega / 2 (C62).
 Eigen::Matrix4d compute_Omega_half(const Vec3& omega) {
   Eigen::Matrix4d half;
   for (int k = 0; k < 4; ++k) half.col(k) = compute_pdot(Vec4::Unit(k), omega);
@@ -206,7 +206,7 @@ void IdaJacobian::each_body_entry(BodyIndex i, double c, const Q& q, const V& Y,
 
 template <class Q, class Visit>
 void IdaJacobian::each_row_entry(const RowBlock& block, const MatX& rates, const Q& q,
-                                 const Visit& visit) const {  // (C57)
+                                 const Visit& visit) const {  // (C62)
   const Eigen::Ref<const MatX> Phi_Y_transposed = own_.moving_constraints().columns(block);
   const BodyIndex body = block.body;
   const int at_q = layout_.first_q(body);

@@ -9,7 +9,7 @@
 
 namespace concord::cartesian {
 
-/// Where things stand among IDA's unknowns x = [q; Y; lambda; mu; nu; work] (C56). mu stands on the rows that hold for
+/// Where things stand among IDA's unknowns x = [q; Y; lambda; mu; nu; work] (C61). mu stands on the rows that hold for
 /// positions; rows that hold for velocities alone have none.
 struct IdaUnknowns {
   explicit IdaUnknowns(const Equations& equations);
@@ -34,8 +34,8 @@ struct IdaUnknowns {
   std::vector<int> place_of_mu;  // by row; -1: it holds for velocities alone
 };
 
-/// dF/dx + c dF/dxdot of the residual (C56) without the terms that a short step makes small (how M, S and the direction
-/// of the constraint forces change with position): enough for Newton's method (C57). The pattern is frozen.
+/// dF/dx + c dF/dxdot of the residual (C61) without the terms that a short step makes small (how M, S and the direction
+/// of the constraint forces change with position): enough for Newton's method (C62). The pattern is frozen.
 class IdaJacobian {
  public:
   /// `dynamics` and `places` must outlive this object. `q`, `Y`: a motion in which the machine is defined.

@@ -42,11 +42,11 @@ class IdaStepper : public Stepper {
   }
 
  protected:
-  /// IDA steps past `stop` and interpolates: its formulas interpolate to their own order, and a stop would cost them
+  /// IDA steps past `limit` and interpolates: its formulas interpolate to their own order, and a stop would cost them
   /// it.
-  void advance(double stop) override {
+  void advance(double limit) override {
     // Only the first step after a start looks at where it leads: no nearer than a step that went well before.
-    const double toward = std::max(stop, reached_ + last_step_);
+    const double toward = std::max(limit, reached_ + last_step_);
     const double before = reached_;
     const int code = IDASolve(memory_.get(), toward, &reached_, x_.get(), xdot_.get(), IDA_ONE_STEP);
     if (code < 0) throw SolverError("cartesian (ida): " + messages_.last + (why_.empty() ? "" : "; " + why_));
@@ -61,6 +61,7 @@ class IdaStepper : public Stepper {
 
   void set_motion_at(double t) override { read(t, motion_); }
 
+  [[nodiscard]] int parts_of_step() const override { return 1; }
   [[nodiscard]] bool remembers_multipliers() const override { return true; }
 
   void restart(double t) override {
@@ -192,7 +193,7 @@ class IdaStepper : public Stepper {
     return 0;
   }
 
-  void write_residual(double t, const Eigen::Map<VecX>& x, const Eigen::Map<VecX>& xdot, Eigen::Map<VecX> F) {  // (C56)
+  void write_residual(double t, const Eigen::Map<VecX>& x, const Eigen::Map<VecX>& xdot, Eigen::Map<VecX> F) {  // (C61)
     const auto q = x.head(places_.first_Y);
     const auto Y = x.segment(places_.first_Y, layout_.n_Y());
     // With p brought to unit length no constraint depends on |p|, as the Jacobian has it.

@@ -66,8 +66,8 @@ std::unique_ptr<Stepper> make_stepper(Dynamics& dynamics, const RunOptions& opti
   const std::string chosen = integrator_of(options);
   // Errors of single steps add up over a run: each step is held to a part of what is asked, more so where steps are
   // many.
-  const Tolerance of_gbs{std::max(0.1 * options.rtol, 3e-15), options.until};
-  if (chosen == "gbs") return make_extrapolation_stepper(dynamics, first, of_gbs);
+  const Tolerance of_gauss{std::max(0.01 * options.rtol, 3e-15), options.until};
+  if (chosen == "gauss") return make_collocation_stepper(dynamics, first, of_gauss);
   const Tolerance of_ida{std::max(0.01 * options.rtol, 1e-13), options.until};
   if (chosen == "ida") return make_ida_stepper(dynamics, first, of_ida);
   throw InputError(
@@ -147,7 +147,7 @@ class Run {
   /// One step of the integrator, not past t nor past a time at which a law changes its formula, and all that watches
   /// the motion.
   void step_toward(double t) {
-    const bool breaks_first = next_break_ != breaks_.end() && *next_break_ < t;
+    const bool breaks_first = next_break_ != breaks_.end() && *next_break_ <= t;
     reached_ = step(breaks_first ? *next_break_ : t);
     motion_ = stepper_->motion();
     count_turns();
@@ -162,7 +162,7 @@ class Run {
 
   double step(double t) {
     try {
-      const double reached = stepper_->step(t);
+      const double reached = stepper_->step(t, next_break_ != breaks_.end() ? *next_break_ : options_.until);
       evaluation_limit_.require(reached, stepper_->evaluations());
       return reached;
     } catch (const SingularPose&) {
@@ -252,7 +252,7 @@ class Run {
 
 }  // namespace
 
-std::vector<std::string> integrator_names() { return {"gbs", "ida"}; }
+std::vector<std::string> integrator_names() { return {"gauss", "ida"}; }
 
 Trajectory run(Dynamics& dynamics, const MachineRank& machine, const State& start, const RunOptions& options,
                const Progress& progress) {

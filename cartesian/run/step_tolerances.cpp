@@ -55,7 +55,7 @@ bool StepTolerances::follow_modes(const MotionState& motion) {
   return true;
 }
 
-/// (C58)
+/// (C63)
 double StepTolerances::share_for(const MotionState& motion) const {
   constexpr double kLeast = 1e-3;        // where next to nothing vibrates
   constexpr double kPerVibration = 1e2;  // the share of vibrations a hundredth as large as those asked for is 1

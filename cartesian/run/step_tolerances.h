@@ -5,7 +5,7 @@
 namespace concord::cartesian {
 
 /// Absolute tolerances over [q; Y; work] of an explicit method, which does not ask for less than round-off leaves, and
-/// for modes by what vibrates: they follow from rtol and motion_sizes(), and change with the motion (C58).
+/// for modes by what vibrates: they follow from rtol and motion_sizes(), and change with the motion (C63).
 class StepTolerances {
  public:
   /// `dynamics` must outlive this object.

@@ -34,21 +34,34 @@ void Stepper::note_rate(double t) {
   fastest_ = std::max({fastest_, natural_rate(equations_), largest_rate(equations_, t, motion_.Y)});
 }
 
-double Stepper::step(double stop) {
+double Stepper::step(double stop, double limit) {
+  if (stop <= time_) return time_;
   if (reached_ <= time_) {
-    const double from = time_;
-    if (has_regimes_) event_samples_.col(0) = event_functions(from, motion_);
-    advance(stop);
+    began_ = time_;
+    looks_ = 0;
+    if (has_regimes_) event_samples_.col(0) = event_functions(began_, motion_);
+    advance(limit);
     largest_work_ = std::max(largest_work_, std::abs(motion_.work));
-    event_ = has_regimes_ ? locate_event(from, stop) : HUGE_VAL;
+    event_ = has_regimes_ ? locate_event(began_, reached_) : HUGE_VAL;
   }
-  if (event_ <= stop) {
+  const double look = next_look();
+  if (look < std::min({stop, event_, reached_})) {
+    time_ = look;
+    motion_ = interpolate(look);
+  } else if (event_ <= stop) {
     pass_event();
   } else {
     time_ = std::min(reached_, stop);
     set_motion_at(time_);
   }
   return time_;
+}
+
+/// The next of the equal parts of the last step beyond the time reached.
+double Stepper::next_look() {
+  const auto time_of = [&](int k) { return began_ + (reached_ - began_) * k / parts_of_step(); };
+  while (looks_ < parts_of_step() && time_of(looks_) <= time_) ++looks_;
+  return looks_ < parts_of_step() ? time_of(looks_) : reached_;
 }
 
 void Stepper::begin_anew() {
@@ -143,7 +156,7 @@ double Stepper::find_minimum(Eigen::Index function, double low, double high) {
 
 /// The time in the last step, which began at `from` with the event functions that event_samples_ has there, just past
 /// which a regime has ended; HUGE_VAL if none does. Illinois' rule between times inside and outside.
-double Stepper::locate_event(double from, double stop) {  // (C59)
+double Stepper::locate_event(double from, double stop) {  // (C64)
   constexpr double kSharp = 1e-13;                        // of the time up to which the step may go
   const double value_before = event_samples_.col(0).minCoeff();
   if (!(value_before >= 0.0)) return from;

@@ -257,7 +257,7 @@ TEST_CASE("A command line that cannot be is exit 2", "[program]") {
   desk.write("pendulum.toml", kPendulum);
   for (const char* arguments :
        {"", "compare", "frobnicate", "compare pendulum.toml --wrong", "compare absent.toml",
-        "compare pendulum.toml --until -1", "compare pendulum.toml --samples 0", "run pendulum.toml --integrator gbs",
+        "compare pendulum.toml --until -1", "compare pendulum.toml --samples 0", "run pendulum.toml --integrator gauss",
         "compare pendulum.toml --until nan --out r", "run pendulum.toml --solver cartesian --until nan --out r",
         "run pendulum.toml --solver relative --until inf", "compare pendulum.toml --rtol nan --json v.json",
         "run pendulum.toml --solver third", "run pendulum.toml --solver relative --integrator euler",

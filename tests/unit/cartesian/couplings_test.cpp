@@ -138,7 +138,7 @@ TEST(Couplings, ForcesAndReactionsBalanceEveryBody) {
 /// Without power: kinetic energy and that of gravity keep their sum.
 TEST(Couplings, HoldThroughARunAndKeepTheEnergy) {
   const Model model = make_differential();
-  for (const char* integrator : {"gbs", "ida"}) {
+  for (const char* integrator : {"gauss", "ida"}) {
     SCOPED_TRACE(integrator);
     RunOptions options;
     options.until = 3.0;

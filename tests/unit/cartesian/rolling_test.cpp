@@ -89,7 +89,7 @@ TEST(Rolling, ChaplyginsSleigh) {
   EXPECT_LT((on_parent.force + in_global.force).norm(), 1e-13);
   EXPECT_LT((on_parent.torque + in_global.torque + gap.cross(in_global.force)).norm(), 1e-13);
 
-  for (const char* integrator : {"gbs", "ida"}) {
+  for (const char* integrator : {"gauss", "ida"}) {
     SCOPED_TRACE(integrator);
     RunOptions options;
     options.until = 4.0;
@@ -175,7 +175,7 @@ TEST(Rolling, BallOnATurntable) {
   model.joints.push_back(axle);
   const BallRig rig(std::move(model), 1, rigid(1, Vec3(0.1, -0.2, 0.3) + on_table * Vec3(0.2, 0.5, 0.7), on_table));
   const Vec3 rate = 2.0 / 7.0 * kTableRate * tilt.col(2);
-  for (const char* integrator : {"gbs", "ida"}) {
+  for (const char* integrator : {"gauss", "ida"}) {
     SCOPED_TRACE(integrator);
     const auto solver = make_solver(rig.model);
     RunOptions options;
@@ -213,7 +213,7 @@ TEST(Rolling, TwoEdgesOnAnAxleAreOneConstraintTooMany) {
   options.until = 1.0;
   options.samples = 4;
   options.rtol = 1e-9;
-  for (const char* integrator : {"gbs", "ida"}) {
+  for (const char* integrator : {"gauss", "ida"}) {
     options.integrator = integrator;
     EXPECT_LT(solver->integrate(options, {}).statistics.max_constraint, 1e-12);
   }

@@ -218,7 +218,7 @@ TEST(Tires, BounceFollowsItsClosedForm) {
     const double rising = period - in;
     return kDrop - 0.5 * kGravity * rising * rising;
   };
-  for (const auto& [integrator, rtol, allowed] : {std::tuple{"gbs", 1e-11, 3e-11}, std::tuple{"ida", 1e-9, 3e-6}}) {
+  for (const auto& [integrator, rtol, allowed] : {std::tuple{"gauss", 1e-11, 3e-11}, std::tuple{"ida", 1e-9, 3e-6}}) {
     SCOPED_TRACE(integrator);
     const Trajectory trajectory = run(model, integrator, 6.3 * period, rtol);
     double worst = 0.0;
@@ -248,9 +248,9 @@ TEST(Tires, AShortBumpIsNeitherMissedNorSmeared) {
     EXPECT_GT(highest, 0.01);
     return trajectory.samples.back().state.bodies[2].r.z();
   };
-  const double limit = end_of("gbs", 1e-13);
-  const double coarse = std::abs(end_of("gbs", 1e-7) - limit);
-  const double fine = std::abs(end_of("gbs", 1e-9) - limit);
+  const double limit = end_of("gauss", 1e-13);
+  const double coarse = std::abs(end_of("gauss", 1e-7) - limit);
+  const double fine = std::abs(end_of("gauss", 1e-9) - limit);
   RecordProperty("coarse", std::to_string(coarse));
   EXPECT_LT(coarse, 1e-7);
   EXPECT_LT(fine, 1e-9);
@@ -289,7 +289,7 @@ TEST(Tires, SlidesAtItsLimitAndSticksBelow) {
   ASSERT_LT(slow, 2.0);
   const double at_event = (2.0 - slow) * kWheelMass / limit;
   const double until = at_event + 0.03;
-  for (const auto& [integrator, allowed] : {std::pair{"gbs", 1e-11}, std::pair{"ida", 1e-7}}) {
+  for (const auto& [integrator, allowed] : {std::pair{"gauss", 1e-11}, std::pair{"ida", 1e-7}}) {
     SCOPED_TRACE(integrator);
     const Trajectory trajectory = run(model, integrator, until, 1e-11);
     const double speed = slow * std::exp(-tire.cornering_stiffness / 0.1 / kWheelMass * 0.03);
@@ -326,7 +326,7 @@ TEST(Tires, RattlingWithoutEndIsTold) {
   model.elements.push_back({"tire", tire, {}});
   std::string message;
   try {
-    (void)run(model, "gbs", 1.0, 1e-7);
+    (void)run(model, "gauss", 1.0, 1e-7);
   } catch (const SolverError& error) {
     message = error.what();
   }
@@ -368,7 +368,7 @@ force = [0, 0, -200]
 law = { law = "smooth_step", t0 = 1, t1 = 1.2, from = 0, to = 1 }
 )toml",
                                   "late.toml");
-  EXPECT_NO_THROW((void)run(model, "gbs", 60.0, 1e-6));
+  EXPECT_NO_THROW((void)run(model, "gauss", 60.0, 1e-6));
 }
 
 TEST(Tires, RefusesAWheelThatLiesOnItsSide) {

@@ -9,7 +9,7 @@ namespace {
 
 EvaluationLimit explicit_run(double until, std::optional<long> most = {}, bool foresees_end = false) {
   return EvaluationLimit(
-      {.solver = "cartesian", .integrator = "gbs", .until = until, .most = most, .foresees_end = foresees_end});
+      {.solver = "cartesian", .integrator = "gauss", .until = until, .most = most, .foresees_end = foresees_end});
 }
 
 EvaluationLimit implicit_run(double until) {
@@ -81,7 +81,7 @@ TEST(EvaluationLimit, SaysWhereAndOfWhichIntegrator) {
     EXPECT_STREQ(error.what(),
                  "cartesian: at t = 4e-06 s 300000 evaluations advanced the run by 4.0e-06 s only: the run is long "
                  "beside the motion, or the motion locks "
-                 "there, or is too stiff for gbs; at the elbow");
+                 "there, or is too stiff for gauss; at the elbow");
   }
 }
 

@@ -81,8 +81,8 @@ TEST_F(Suites, GlobsVariantsAndWorksAreToldApartByName) {
           "rtol = [1e-9, 1e-11]\n"),
       ElementsAre("one/mass=1,rtol=1e-09", "one/mass=1,rtol=1e-11", "one/mass=2,rtol=1e-09", "one/mass=2,rtol=1e-11"));
   EXPECT_THAT(ids("[[case]]\nmodels = [\"models/one.toml\"]\n[case.sweep]\ncut = { here = [\"hinge\"] }\n"
-                  "integrators = [[\"ida\", \"gbs\"]]\nstart = { seed = 4, count = 2, turn = 0.1 }\n"),
-              ElementsAre("one/cut=here,ida+gbs,start=0", "one/cut=here,ida+gbs,start=1"));
+                  "integrators = [[\"ida\", \"gauss\"]]\nstart = { seed = 4, count = 2, turn = 0.1 }\n"),
+              ElementsAre("one/cut=here,ida+gauss,start=0", "one/cut=here,ida+gauss,start=1"));
   EXPECT_THAT(ids("[[case]]\nwork = \"fuzz\"\nseed = 3\ncount = 10\nshares = 2\n"),
               ElementsAre("fuzz/seed=3/first=0", "fuzz/seed=3/first=10"));
 }
@@ -162,8 +162,8 @@ TEST_F(Suites, WhatIsWrongIsToldAtItsPlace) {
               HasSubstr("suite.toml:4:10: error: case: leaves none of the files that 'models' names"));
   EXPECT_THAT(refusal("name = \"\"\n[[case]]\nmodels = [\"models/one.toml\"]\n"), HasSubstr("suite.toml:2:8: error"));
   const std::string twice = refusal(
-      "[[case]]\nmodels = [\"models/one.toml\"]\nsweep.integrators = [[\"ida\", \"gbs\"], [\"ida\", \"gbs\"]]\n");
-  EXPECT_THAT(twice, HasSubstr("'integrators' sweeps ida and gbs twice"));
+      "[[case]]\nmodels = [\"models/one.toml\"]\nsweep.integrators = [[\"ida\", \"gauss\"], [\"ida\", \"gauss\"]]\n");
+  EXPECT_THAT(twice, HasSubstr("'integrators' sweeps ida and gauss twice"));
   EXPECT_THAT(twice, Not(HasSubstr("two of the models")));
   write_file(folder_.path() / "more" / "one.toml", kPendulum);
   EXPECT_THAT(refusal("[[case]]\nmodels = [\"models/one.toml\", \"more/one.toml\"]\n"),
@@ -219,7 +219,7 @@ TEST_F(Suites, WhatAModelCannotGiveIsRefusedAtTheCase) {
               AllOf(HasSubstr("suite.toml:2:1: error: "),
                     HasSubstr("one.toml: no joint is called 'hing', which the case cuts")));
   EXPECT_THAT(words_of("cartesian = \"erk\"\n"),
-              AllOf(HasSubstr("suite.toml:2:1: error: "), HasSubstr("no integrator 'erk'; it has gbs, ida")));
+              AllOf(HasSubstr("suite.toml:2:1: error: "), HasSubstr("no integrator 'erk'; it has gauss, ida")));
   EXPECT_THAT(
       words_of("work = \"inverse\"\naccelerations = { \"hinge.turn_x\" = 2.5 }\n"),
       AllOf(HasSubstr("suite.toml:5:"), HasSubstr("turn_x of hinge, which "), HasSubstr("one.toml does not keep")));
