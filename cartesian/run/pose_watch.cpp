@@ -175,9 +175,10 @@ bool PoseWatch::follow(double t, const MotionState& motion) {
   refuse_vanished(now);
   const double rate = rate_of_change(last_, now);
   const bool changes_little = std::max(rate_, rate) * (now.t - last_.t) < kLittle;
-  if (!changes_little) bisect(last_, now, kDepth);
+  if (!changes_little && !is_straight_so_far(now)) bisect(last_, now, kDepth);
   rate_ = rate;
   dynamics_.use_rows(now.rows);
+  before_last_ = std::move(last_);
   last_ = std::move(now);
   return last_.rows != rows;
 }
@@ -221,17 +222,18 @@ double PoseWatch::rate_of_change(const PoseSample& before, const PoseSample& aft
 }
 
 /// Whether no pivot falls to zero and rises again between the samples. Its root is straight over a short time: the
-/// middle is the mean of the ends, unless the root has passed zero, or the middle has been brought onto another branch
-/// (C53).
+/// middle is what the ends say of its time, unless the root has passed zero, or the middle has been brought onto
+/// another branch (C53).
 bool PoseWatch::stays_independent(const PoseSample& before, const PoseSample& middle, const PoseSample& after,
                                   const std::vector<bool>& rows) {
   constexpr double kStraight = 0.5;  // of the smaller root
   const VecX between = own_pivots(middle, rows).cwiseMax(0.0).cwiseSqrt();
   const VecX at_before = own_pivots(before, rows).cwiseMax(0.0).cwiseSqrt();
   const VecX at_after = own_pivots(after, rows).cwiseMax(0.0).cwiseSqrt();
+  const double w = (middle.t - before.t) / (after.t - before.t);
   for (Eigen::Index row = 0; row < between.size(); ++row) {
     if (!rows[row]) continue;
-    const double bend = std::abs(at_before(row) + at_after(row) - 2.0 * between(row));
+    const double bend = 2.0 * std::abs((1.0 - w) * at_before(row) + w * at_after(row) - between(row));
     const double least = std::min(at_before(row), at_after(row));
     const double vanished = std::sqrt(kVanished * largest_pivots_(row));
     if (bend < kStraight * least && std::min(between(row), least) > vanished) continue;
@@ -239,6 +241,15 @@ bool PoseWatch::stays_independent(const PoseSample& before, const PoseSample& mi
     return false;
   }
   return true;
+}
+
+/// Whether the last three samples tell by themselves that no singular pose lies between the last two, as long as
+/// the middle one is about halfway.
+bool PoseWatch::is_straight_so_far(const PoseSample& now) {
+  constexpr double kHalfway = 0.25;
+  if (!(before_last_.t < last_.t)) return false;
+  const double w = (last_.t - before_last_.t) / (now.t - before_last_.t);
+  return std::abs(w - 0.5) <= kHalfway && stays_independent(before_last_, last_, now, now.rows);
 }
 
 /// Looks closer and closer where a singular pose may be, by the rows of either sample.

@@ -54,6 +54,7 @@ class PoseWatch {
   static double rate_of_change(const PoseSample& before, const PoseSample& after);
   bool stays_independent(const PoseSample& before, const PoseSample& middle, const PoseSample& after,
                          const std::vector<bool>& rows);
+  bool is_straight_so_far(const PoseSample& now);
   void bisect(const PoseSample& before, const PoseSample& after, int depth);
   [[noreturn]] void refuse(double t, RowIndex row) const;
 
@@ -62,6 +63,7 @@ class PoseWatch {
   int generic_rank_;
   bool may_lose_rank_;
   std::unique_ptr<RowPivots> pivots_;
+  PoseSample before_last_;
   PoseSample last_;
   VecX chosen_pivots_;       // where the rows in use were chosen
   VecX largest_pivots_;      // so far
