@@ -18,7 +18,7 @@
 namespace concord::relative {
 
 /// Accelerations and joint wrenches for given time, coordinates and speeds. After construction nothing is allocated and
-/// the cost is proportional to the number of bodies (plus the cube of the number of closure rows).
+/// the cost is proportional to the number of bodies (plus that of eliminating the multipliers of loops that couple).
 ///
 /// This is the entry for whoever wants evaluations and nothing else, such as a benchmark:
 ///   Equations equations(model);

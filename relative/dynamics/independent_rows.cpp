@@ -35,14 +35,14 @@ double IndependentRows::least_weight() const {
   return least;
 }
 
-void scale_rows(const MatX& Lambda, const VecX& units, IndependentRows& rows) {
-  const Eigen::Index n = Lambda.rows();
+void scale_rows(const VecX& diagonal, const VecX& units, IndependentRows& rows) {
+  const Eigen::Index n = diagonal.size();
   double largest = 0.0;
-  for (Eigen::Index i = 0; i < n; ++i) largest = std::max(largest, Lambda(i, i) / (units(i) * units(i)));
+  for (Eigen::Index i = 0; i < n; ++i) largest = std::max(largest, diagonal(i) / (units(i) * units(i)));
   for (Eigen::Index i = 0; i < n; ++i) {
-    const double size = Lambda(i, i) / (units(i) * units(i));
+    const double size = diagonal(i) / (units(i) * units(i));
     const bool vanishes = !(size > kVanishing * largest);
-    rows.scale(i) = vanishes ? 0.0 : 1.0 / std::sqrt(Lambda(i, i));
+    rows.scale(i) = vanishes ? 0.0 : 1.0 / std::sqrt(diagonal(i));
     rows.weight(i) = vanishes ? 0.0 : std::min(1.0, size / (kSmall * largest));
   }
 }

@@ -23,8 +23,9 @@ struct IndependentRows {
   [[nodiscard]] double least_weight() const;
 };
 
-/// The factors and weights of all rows, by which units do not weigh; `units`: the size of one unit of each.
-void scale_rows(const MatX& Lambda, const VecX& units, IndependentRows& rows);
+/// The factors and weights of all rows, by which units do not weigh, from the diagonal of Lambda; `units`: the size of
+/// one unit of each.
+void scale_rows(const VecX& diagonal, const VecX& units, IndependentRows& rows);
 
 /// Chooses rows by a pose alone. All memory is laid out at construction.
 class RowChoice {

@@ -32,12 +32,16 @@ double largest_of(const VecX& values, const std::vector<int>& places) {
 }  // namespace
 
 Loops::Loops(const Kinematics& kinematics, const Closure& closure, const ArticulatedInertias& tree)
-    : kinematics_(&kinematics), closure_(&closure), choice_(closure.n_rows()) {
-  lay_out_paths(tree);
+    : kinematics_(&kinematics),
+      closure_(&closure),
+      paths_(lay_out_paths(tree)),
+      Lambda_(order_of_paths()),
+      diagonal_(VecX::Zero(closure.n_rows())),
+      choice_(closure.n_rows()),
+      factors_(Lambda_) {
   lay_out_shared();
   lay_out_stacked(tree);
   const int n = closure.n_rows();
-  Lambda_.setZero(n, n);
   solution_.lambda.setZero(n);
   solution_.residual.setZero(n);
   solution_.used = IndependentRows(n);
@@ -50,49 +54,6 @@ Loops::Loops(const Kinematics& kinematics, const Closure& closure, const Articul
   set_rank(n);
 }
 
-void Loops::lay_out_paths(const ArticulatedInertias& tree) {
-  for (const CutIndex c : upward<CutIndex>(closure_->cuts().size())) {
-    const Closure::Cut& cut = closure_->cuts()[c];
-    if (cut.measure.n_rows() == 0) continue;  // permits all six, and exerts nothing
-    lay_out(tree, {CutRows{c}, cut.first_row, cut.measure.n_rows(), {}, {}}, {cut.joint});
-  }
-  for (std::size_t r = 0; r < closure_->speed_constraints().size(); ++r) {
-    const SpeedConstraint& constraint = closure_->speed_constraints()[r];
-    std::vector<JointIndex> joints;
-    for (const ConstrainedJoint& part : constraint.joints) joints.push_back(part.joint);
-    lay_out(tree, {SpeedRows{static_cast<int>(r)}, constraint.first_row, constraint.n_rows, {}, {}}, joints);
-  }
-}
-
-/// Pairs of links of two paths that are the same link; paths in the order of their rows.
-void Loops::lay_out_shared() {
-  for (int a = 0; a < static_cast<int>(paths_.size()); ++a) {
-    for (int b = a; b < static_cast<int>(paths_.size()); ++b) {
-      for (int i = 0; i < static_cast<int>(paths_[a].links.size()); ++i) {
-        for (int j = 0; j < static_cast<int>(paths_[b].links.size()); ++j) {
-          if (paths_[a].links[i].link == paths_[b].links[j].link) shared_.push_back({a, i, b, j});
-        }
-      }
-    }
-  }
-}
-
-/// Where the unknowns of each link on a path stand among all of them.
-void Loops::lay_out_stacked(const ArticulatedInertias& tree) {
-  first_of_link_.resize(kinematics_->topology().links.size());
-  int most_unknowns = 0;
-  for (const LoopPath& path : paths_) {
-    for (const PathLink& path_link : path.links) {
-      const int n = tree.n_unknowns(path_link.link);
-      most_unknowns = std::max(most_unknowns, n);
-      if (first_of_link_[path_link.link]) continue;
-      first_of_link_[path_link.link] = static_cast<int>(n_stacked_);
-      n_stacked_ += n;
-    }
-  }
-  force_.setZero(most_unknowns);
-}
-
 void Loops::set_rank(int rank) {
   rank_ = rank;
   std::vector<RowIndex>& rows = solution_.used.rows;
@@ -101,47 +62,7 @@ void Loops::set_rank(int rank) {
   for (const RowIndex row : upward<RowIndex>(rank)) rows.push_back(row);
   factors_.lay_out(rank, n_stacked_);
   right_.setZero(rank);
-}
-
-/// The links between the bodies of some joints and ground, outermost first.
-std::vector<LinkIndex> Loops::links_to_ground(const std::vector<JointIndex>& joints) const {
-  const Topology& topology = kinematics_->topology();
-  std::vector<LinkIndex> links;
-  for (const JointIndex joint : joints) {
-    for (const Attachment& side : kinematics_->model().joints[joint].sides) {
-      for (std::optional<LinkIndex> l = topology.link_of_body[side.body]; l; l = topology.inward_link(*l))
-        links.push_back(*l);
-    }
-  }
-  std::sort(links.begin(), links.end(), std::greater<>());
-  links.erase(std::unique(links.begin(), links.end()), links.end());
-  return links;
-}
-
-/// Gives a path its links, and a load for each of its joints.
-void Loops::lay_out(const ArticulatedInertias& tree, LoopPath path, const std::vector<JointIndex>& joints) {
-  const Topology& topology = kinematics_->topology();
-  const std::vector<LinkIndex> links = links_to_ground(joints);
-  const auto path_link_of = [&](std::optional<LinkIndex> link) -> std::optional<int> {
-    if (!link) return std::nullopt;
-    return static_cast<int>(std::find(links.begin(), links.end(), *link) - links.begin());
-  };
-  for (const LinkIndex l : links) {
-    const int m = topology.modes[topology.links[l].body].n_u;
-    path.links.push_back({l, path_link_of(topology.inward_link(l)), Mat6X::Zero(6, path.n_rows),
-                          MatX::Zero(m, path.n_rows), MatX::Zero(tree.n_unknowns(l), path.n_rows)});
-  }
-  for (const JointIndex k : joints) {
-    if (const auto* on_link = std::get_if<OnLink>(&topology.places[k])) {
-      path.loads.emplace_back(CoordinateLoad{*path_link_of(on_link->link)});
-      continue;
-    }
-    const auto link_on = [&](Side side) {
-      return path_link_of(topology.link_of_body[kinematics_->model().joints[k].on(side).body]);
-    };
-    path.loads.emplace_back(WrenchLoad{k, link_on(Side::child), link_on(Side::parent)});
-  }
-  paths_.push_back(std::move(path));
+  if (rank < closure_->n_rows()) dense_Lambda_.setZero(closure_->n_rows(), closure_->n_rows());
 }
 
 /// Unit multipliers act with +T on the child of a cut joint, or with coordinate forces +C on a joint of the tree.
@@ -201,15 +122,23 @@ void Loops::compute_unit_responses(const ArticulatedInertias& tree, LoopPath& pa
 
 /// Lambda = sum over links of unit_response^T unit_response (R52).
 void Loops::sum_Lambda() {
-  Lambda_.setZero();
+  Lambda_.set_zero();
   for (const SharedLink& shared : shared_) {
     const MatX& a = paths_[shared.path].links[shared.link].unit_response;
     const MatX& b = paths_[shared.other_path].links[shared.other_link].unit_response;
-    const RowIndex row = paths_[shared.path].first_row;
-    const RowIndex column = paths_[shared.other_path].first_row;
-    Lambda_.block(row, column, a.cols(), b.cols()).noalias() += a.transpose().lazyProduct(b);
+    const Eigen::Index n = a.rows();
+    double* entry = Lambda_.values(shared.block);
+    for (Eigen::Index row = 0; row < a.cols(); ++row) {
+      const double* of_row = a.data() + row * n;
+      for (Eigen::Index column = 0; column < b.cols(); ++column) {
+        const double* of_column = b.data() + column * n;
+        double sum = 0.0;
+        for (Eigen::Index k = 0; k < n; ++k) sum += of_row[k] * of_column[k];
+        *entry++ += sum;
+      }
+    }
   }
-  Lambda_.triangularView<Eigen::StrictlyLower>() = Lambda_.transpose();
+  Lambda_.write_diagonal(diagonal_);
 }
 
 void Loops::throw_singular(RowIndex row) const {
@@ -227,11 +156,12 @@ void Loops::choose_rows() {
   constexpr double kHeavy = 1e-4;        // and none has almost vanished, since
   constexpr double kMuchLighter = 1e-2;  // they were chosen
   IndependentRows& used = solution_.used;
-  scale_rows(Lambda_, closure_->row_units(), used);
-  if (rank_ == static_cast<int>(Lambda_.rows())) return;
+  scale_rows(diagonal_, closure_->row_units(), used);
+  if (rank_ == closure_->n_rows()) return;
   const bool may_stay = keeps_rows_ && has_kept_ && used.least_weight() > least_kept_weight_;
-  if (may_stay && factors_.factor(Lambda_, used) > kSound) return;
-  if (!choice_.choose(Lambda_, rank_, used))
+  if (may_stay && factors_.factor(used) > kSound) return;
+  Lambda_.write_dense(dense_Lambda_);
+  if (!choice_.choose(dense_Lambda_, rank_, used))
     throw_singular(RowIndex(0));  // of the rows that are left none is independent
   has_kept_ = keeps_rows_;
   least_kept_weight_ = std::min(kHeavy, kMuchLighter * used.least_weight());
@@ -242,7 +172,7 @@ void Loops::factorize() {
   for (const RowIndex row : used.rows) {
     if (used.scale[row] == 0.0) throw_singular(row);
   }
-  solution_.least_pivot = factors_.factor(Lambda_, used);
+  solution_.least_pivot = factors_.factor(used);
   if (solution_.least_pivot > kIllConditioned) return;
   stack_unit_responses();
   const MultiplierFactors::LeastSine least = factors_.factor_stacked();

@@ -7,6 +7,7 @@
 #include "relative/closure/closure.h"
 #include "relative/dynamics/articulated_inertias.h"
 #include "relative/dynamics/independent_rows.h"
+#include "relative/dynamics/lambda_blocks.h"
 #include "relative/dynamics/multiplier_factors.h"
 #include "relative/dynamics/tree_accelerations.h"
 
@@ -103,13 +104,17 @@ class Loops {
     std::vector<MultiplierLoad> loads;
     std::vector<PathLink> links;  // outermost first
   };
+  /// A link on two paths, or twice the same: what it adds to a block of Lambda, rows by the first.
   struct SharedLink {
+    int block;
     int path, link, other_path, other_link;
   };
 
-  void lay_out_paths(const ArticulatedInertias& tree);
-  void lay_out(const ArticulatedInertias& tree, LoopPath path, const std::vector<JointIndex>& joints);
+  [[nodiscard]] std::vector<LoopPath> lay_out_paths(const ArticulatedInertias& tree) const;
+  [[nodiscard]] LoopPath lay_out(const ArticulatedInertias& tree, LoopPath path,
+                                 const std::vector<JointIndex>& joints) const;
   [[nodiscard]] std::vector<LinkIndex> links_to_ground(const std::vector<JointIndex>& joints) const;
+  [[nodiscard]] EliminationOrder order_of_paths() const;
   void lay_out_shared();
   void lay_out_stacked(const ArticulatedInertias& tree);
   void compute_unit_responses(const ArticulatedInertias& tree, LoopPath& path);
@@ -128,13 +133,15 @@ class Loops {
   const Kinematics* kinematics_;
   const Closure* closure_;
   std::vector<LoopPath> paths_;
+  LambdaBlocks Lambda_;
   std::vector<SharedLink> shared_;
   int rank_ = 0;
   bool keeps_rows_ = false;
   bool has_kept_ = false;                          // whether the rows of the solution are those to keep
   std::vector<std::optional<int>> first_of_link_;  // stacked rows where a link's unknowns begin, if on a path
   Eigen::Index n_stacked_ = 0;
-  MatX Lambda_;
+  VecX diagonal_;                   // of Lambda
+  MatX dense_Lambda_;               // all of it, for the choice of rows
   double least_kept_weight_ = 0.0;  // below which one of the kept rows has almost vanished
   RowChoice choice_;
   MultiplierFactors factors_;

@@ -5,24 +5,14 @@
 namespace concord::relative {
 
 void MultiplierFactors::lay_out(int rank, Eigen::Index n_stacked) {
-  selected_.setIdentity(rank, rank);
-  llt_.compute(selected_);
   stacked_.setZero(n_stacked, rank);
-  if (stacked_.size() > 0) qr_.compute(stacked_);
+  qr_ = Eigen::ColPivHouseholderQR<MatX>(n_stacked, rank);
   permuted_.setZero(rank);
 }
 
-double MultiplierFactors::factor(const MatX& Lambda, const IndependentRows& rows) {
+double MultiplierFactors::factor(const IndependentRows& rows) {
   is_orthogonal_ = false;
-  const std::vector<RowIndex>& used = rows.rows;
-  const auto n = static_cast<Eigen::Index>(used.size());
-  for (Eigen::Index j = 0; j < n; ++j) {
-    for (Eigen::Index i = 0; i < n; ++i) {
-      selected_(i, j) = rows.scale[used[i]] * Lambda(used[i].value(), used[j].value()) * rows.scale[used[j]];
-    }
-  }
-  if (llt_.compute(selected_).info() != Eigen::Success) return 0.0;
-  return llt_.matrixLLT().diagonal().cwiseAbs2().minCoeff();
+  return cholesky_.factor(rows);
 }
 
 MultiplierFactors::LeastSine MultiplierFactors::factor_stacked() {
@@ -45,7 +35,7 @@ void MultiplierFactors::solve(const IndependentRows& rows, VecX& right) const {
     R.solveInPlace(permuted_);
     for (Eigen::Index i = 0; i < n; ++i) right(place(i)) = permuted_(i);
   } else {
-    llt_.solveInPlace(right);
+    cholesky_.solve(right);
   }
   for (Eigen::Index i = 0; i < n; ++i) right(i) *= rows.scale[used[i]];
 }

@@ -20,7 +20,7 @@ MatX dependent_Lambda() {
 
 IndependentRows scaled(const MatX& Lambda) {
   IndependentRows rows(Lambda.rows());
-  scale_rows(Lambda, VecX::Ones(Lambda.rows()), rows);
+  scale_rows(Lambda.diagonal(), VecX::Ones(Lambda.rows()), rows);
   return rows;
 }
 
@@ -39,7 +39,7 @@ TEST(IndependentRows, DoNotDependOnTheUnitsOfRows) {
   const VecX units = (VecX(5) << 1.0, 1e6, 1.0, 1e6, 1e-6).finished();
   const MatX Lambda = units.asDiagonal() * dependent_Lambda() * units.asDiagonal();
   IndependentRows rows(5);
-  scale_rows(Lambda, units, rows);
+  scale_rows(Lambda.diagonal(), units, rows);
   for (int row = 0; row < 5; ++row) EXPECT_NEAR(Lambda(row, row) * rows.scale(row) * rows.scale(row), 1.0, 1e-14);
   RowChoice choice(5);
   ASSERT_TRUE(choice.choose(Lambda, 3, rows));
@@ -87,9 +87,11 @@ TEST(MultiplierFactors, SolveTheChosenRows) {
   IndependentRows rows = scaled(Lambda);
   RowChoice choice(Lambda.rows());
   ASSERT_TRUE(choice.choose(Lambda, 3, rows));
-  MultiplierFactors factors;
+  LambdaBlocks blocks(EliminationOrder({{0, 5}}, {{}}));
+  for (int i = 0; i < 25; ++i) blocks.values(0)[i] = Lambda(i / 5, i % 5);
+  MultiplierFactors factors(blocks);
   factors.lay_out(3, 4);
-  const double pivot = factors.factor(Lambda, rows);
+  const double pivot = factors.factor(rows);
   EXPECT_GT(pivot, 0.01);
   EXPECT_LE(pivot, 1.0);
   const VecX right = (VecX(3) << 0.4, -1.3, 2.2).finished();
