@@ -17,14 +17,6 @@ Eigen::Map<const Mat3> block9(const VecX& stacked, Eigen::Index k) {
 
 }  // namespace
 
-void MassMoments::fill(Mat6& M) const {
-  const Mat3 h_tilde = skew(h);
-  M.topLeftCorner<3, 3>() = Vec3::Constant(mass).asDiagonal();
-  M.topRightCorner<3, 3>() = -h_tilde;
-  M.bottomLeftCorner<3, 3>() = h_tilde;
-  M.bottomRightCorner<3, 3>() = I;
-}
-
 MassMoments rigid_moments(const Body& body) {
   const Vec3& c = body.center_of_mass_L;
   return {body.mass, body.mass * c,
@@ -85,7 +77,7 @@ void FlexibleInertia::deform(const Eigen::Ref<const VecX>& a, const Eigen::Ref<c
 }
 
 void FlexibleInertia::move(const Mat3& A, const Vec3& omega, const Vec3& gravity) {
-  moments_ = moments_L_.rotated(A);
+  moments_.take_rotated(moments_L_, A);
   M_ra_.topRows<3>().noalias() = A.lazyProduct(h_modes_);
   M_ra_.bottomRows<3>().noalias() = A.lazyProduct(s_cross_psi_L_);
   const Vec3 w = A.transpose() * omega;

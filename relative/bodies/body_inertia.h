@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "common/model.h"
+#include "relative/bodies/small_products.h"
 
 /// Inertia of one body: M(a) Ydot + S(omega, a, adot) + U - Q_gravity, (R24) to (R28).
 namespace concord::relative {
@@ -14,26 +15,43 @@ struct MassMoments {
   Vec3 h = Vec3::Zero();
   Mat3 I = Mat3::Zero();
 
-  /// The same moments after rotating the body by A.
-  [[nodiscard]] MassMoments rotated(const Mat3& A) const { return {mass, A * h, A * I * A.transpose()}; }
+  /// Takes the moments of the body before it was rotated by A.
+  void take_rotated(const MassMoments& before, const Mat3& A) {
+    mass = before.mass;
+    multiply(A, before.h.data(), h.data());
+    Mat3 AI;
+    multiply(A, before.I, AI);
+    multiply_transpose(AI, A, I);
+  }
 
   /// The block [m 1, -h~; h~, I] of M that belongs to [vdot; omegadot] (R26).
-  void fill(Mat6& M) const;
+  void fill(Mat6& M) const {
+    const double columns[3][6] = {{mass, 0.0, 0.0, 0.0, h.z(), -h.y()},
+                                  {0.0, mass, 0.0, -h.z(), 0.0, h.x()},
+                                  {0.0, 0.0, mass, h.y(), -h.x(), 0.0}};
+    for (int c = 0; c < 3; ++c) {
+      for (int row = 0; row < 6; ++row) M(row, c) = columns[c][row];
+      for (int row = 0; row < 3; ++row) {
+        M(row, 3 + c) = columns[row][3 + c];
+        M(3 + row, 3 + c) = I(row, c);
+      }
+    }
+  }
 
   /// S - Q of the six rigid rows, of Q gravity alone, without deformation rates: centrifugal, gyroscopic and gravity
   /// terms (R27).
   [[nodiscard]] Vec6 bias(const Vec3& omega, const Vec3& gravity) const {
     Vec6 p;
-    p.head<3>() = omega.cross(omega.cross(h)) - mass * gravity;
-    p.tail<3>() = omega.cross(I * omega) - h.cross(gravity);
+    p.head<3>() = cross(omega, cross(omega, h)) - mass * gravity;
+    p.tail<3>() = cross(omega, relative::times(I, omega)) - cross(h, gravity);
     return p;
   }
 
   /// The six rigid rows of M [vdot; omegadot].
   [[nodiscard]] Vec6 times(const Vec6& Vdot) const {
     Vec6 f;
-    f.head<3>() = mass * Vdot.head<3>() - h.cross(Vdot.tail<3>());
-    f.tail<3>() = h.cross(Vdot.head<3>()) + I * Vdot.tail<3>();
+    f.head<3>() = mass * Vdot.head<3>() - cross(h, Vdot.tail<3>());
+    f.tail<3>() = cross(h, Vdot.head<3>()) + relative::times(I, Vdot.tail<3>());
     return f;
   }
 };
@@ -107,7 +125,7 @@ class BodyInertia {
     if (flexible_) {
       update_flexible(a, adot, A, omega, gravity);
     } else {
-      moments_ = moments_L_.rotated(A);
+      moments_.take_rotated(moments_L_, A);
       p_ = moments_.bias(omega, gravity);
     }
   }

@@ -44,13 +44,14 @@ void JointPoint::rotate_modes(const Mat3& body_A) {
   Jdot_rate_ = body_A * Jdot_rate_L_;
 }
 
-void JointPoint::add_deformation_velocity(const Mat3& body_A) {
-  rotate_modes(body_A);
+void JointPoint::add_deformation(const BodyMotion& body) {
+  rotate_modes(body.A);
   v += sdot_;
   omega += turning_;
+  add_deformation_bias(body.omega);
 }
 
-void JointPoint::remove_deformation_velocity(BodyMotion& body) {
+void JointPoint::remove_deformation(BodyMotion& body) {
   rotate_modes(body.A);
   body.v -= sdot_;
   body.omega -= turning_;

@@ -2,6 +2,7 @@
 
 #include "common/model.h"
 #include "relative/bodies/mobilizer.h"
+#include "relative/bodies/small_products.h"
 
 /// Motion of a point and a frame on one body, where a joint or a force element sits, (R5) to (R7).
 namespace concord::relative {
@@ -32,25 +33,28 @@ class JointPoint {
 
   /// Point and joint frame from the body's motion (R5).
   void compute_point_motion(const BodyMotion& body) {
-    A = body.A * C_;
-    lever = body.A * s_L_;
+    multiply(body.A, C_, A);
+    multiply(body.A, s_L_.data(), lever.data());
     r = body.r + lever;
     omega = body.omega;
-    v = body.v + omega.cross(lever);
-    if (n_modes() > 0) add_deformation_velocity(body.A);
-    compute_bias(body.omega);
+    const Vec3 swing = cross(body.omega, lever);
+    v = body.v + swing;
+    bias.head<3>() = cross(body.omega, swing);
+    if (n_modes() > 0) add_deformation(body);
   }
 
   /// The body's motion from that of the point and joint frame (members r, A, v, omega set by the caller) (R7).
   void compute_body_motion(BodyMotion& body) {
-    body.A = A * C_.transpose();
-    lever = body.A * s_L_;
+    multiply_transpose(A, C_, body.A);
+    multiply(body.A, s_L_.data(), lever.data());
     body.r = r - lever;
     body.omega = omega;
     body.v = v;
-    if (n_modes() > 0) remove_deformation_velocity(body);
-    body.v -= body.omega.cross(lever);
-    compute_bias(body.omega);
+    if (n_modes() > 0) remove_deformation(body);
+    const Vec3 swing = cross(body.omega, lever);
+    body.v -= swing;
+    bias.head<3>() = cross(body.omega, swing);
+    if (n_modes() > 0) add_deformation_bias(body.omega);
   }
 
   /// G_a = [A Psi_t; A J Psi_r], 6 x n_modes, global axes.
@@ -65,15 +69,10 @@ class JointPoint {
 
  private:
   void deform_flexible(const double* a, const double* adot);
-  void add_deformation_velocity(const Mat3& body_A);
-  void remove_deformation_velocity(BodyMotion& body);
+  void add_deformation(const BodyMotion& body);
+  void remove_deformation(BodyMotion& body);
   void rotate_modes(const Mat3& body_A);
-
-  void compute_bias(const Vec3& body_omega) {  // (R6)
-    bias.head<3>() = body_omega.cross(body_omega.cross(lever));
-    if (n_modes() > 0) add_deformation_bias(body_omega);
-  }
-  void add_deformation_bias(const Vec3& body_omega);
+  void add_deformation_bias(const Vec3& body_omega);  // (R6)
 
   Attachment attachment_;
   std::string owner_;

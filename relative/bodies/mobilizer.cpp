@@ -90,8 +90,9 @@ struct Composition {
 
   /// R <- R rotation(axis, angle): mixes the two other columns.
   void turn_frame(int axis, double angle) const {
-    const double c = std::cos(angle);
-    const double s = std::sin(angle);
+    double s = 0.0;
+    double c = 0.0;
+    ::sincos(angle, &s, &c);
     const int second = (axis + 1) % 3;
     const int third = (axis + 2) % 3;
     const Vec3 b = motion.R.col(second);
@@ -138,6 +139,7 @@ Mobilizer::Mobilizer(const joints::JointType& type, double length)
   }
   for (int c = 0; c < n_u_; ++c) couples_ = couples_ || (kind(c).displaces && kind(c).rotates);
   require_three_of_a_kind(type.name);
+  if (words_.size() == 1 && std::holds_alternative<joints::Turn>(words_.front())) only_turn_ = kind(0).axis;
   if (!is_by_functions()) return;
   for (const joints::Read& read : type.reads) {
     if (const joints::WrenchesOfPlacement stated = stated_wrenches(read)) stated_wrenches_ = stated;
@@ -157,6 +159,19 @@ void Mobilizer::require_three_of_a_kind(const std::string& name) const {
 
 void Mobilizer::count_turns(const double* turns) {
   if (is_by_functions()) std::copy_n(turns, n_q_, turns_.begin());
+}
+
+/// What (R9) makes of one turn.
+Mobilizer::Turned Mobilizer::turn_again(double angle, double speed, JointMotion& motion) const {
+  Turned turned{};
+  ::sincos(angle, &turned.sine, &turned.cosine);
+  const int second = (only_turn_ + 1) % 3;
+  const int third = (only_turn_ + 2) % 3;
+  motion.R(second, second) = motion.R(third, third) = turned.cosine;
+  motion.R(third, second) = turned.sine;
+  motion.R(second, third) = -turned.sine;
+  motion.v_rel(3 + only_turn_) = speed;
+  return turned;
 }
 
 void Mobilizer::evaluate(const double* q, const double* u, JointMotion& motion) const {

@@ -43,6 +43,16 @@ class Mobilizer {
   /// Whether d or R depends on q other than by slides and turns in place, so that Newton's method needs care.
   [[nodiscard]] bool is_curved() const { return structure_.is_curved; }
   [[nodiscard]] bool has_ball() const { return structure_.has_ball; }
+  /// Whether d can be other than zero.
+  [[nodiscard]] bool has_place() const { return structure_.has_place; }
+  /// The axis about which the child turns, if it can do nothing else; -1 if it can.
+  [[nodiscard]] int only_turn() const { return only_turn_; }
+  /// Sine and cosine of an angle.
+  struct Turned {
+    double sine, cosine;
+  };
+  /// The same as evaluate() where the child can do nothing but turn, for a motion that evaluate() has written before.
+  Turned turn_again(double angle, double speed, JointMotion& motion) const;
   /// Whether a link on two turns carries the child, so that two sets of coordinates name each pose.
   [[nodiscard]] bool has_elevation() const { return structure_.elevation >= 0; }
   /// Whether coordinate q[c] is an angle, whose whole turns may be counted apart.
@@ -115,6 +125,7 @@ class Mobilizer {
   joints::WrenchesOfPlacement stated_wrenches_ = nullptr;
   std::array<double, 6> turns_{};  // of a motion by functions; nothing else knows of whole turns
   double length_;
+  int only_turn_ = -1;
   int n_q_ = 0;
   int n_u_ = 0;
   bool couples_ = false;

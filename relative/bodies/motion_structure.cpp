@@ -85,7 +85,8 @@ class Classifier {
   void operator()(const joints::Slide& slide) {
     found_.rank_is_certain = found_.rank_is_certain && !slides_[index(slide.axis)];
     slides_[index(slide.axis)] = true;
-    add({.displaces = true, .rotates = false, .is_length = true, .is_fixed = true});
+    found_.has_place = true;
+    add({.displaces = true, .rotates = false, .is_length = true, .is_fixed = true, .axis = index(slide.axis)});
     link_.other();
   }
 
@@ -94,7 +95,8 @@ class Classifier {
     const bool is_another = n_turns_ == 1 || (n_turns_ == 2 && turn.axis != last_turn_);
     found_.rank_is_certain = found_.rank_is_certain && is_another;
     last_turn_ = turn.axis;
-    add({.displaces = false, .rotates = true, .is_length = false, .is_fixed = n_turns_ == 1});
+    const bool is_first = n_turns_ == 1;
+    add({.displaces = false, .rotates = true, .is_length = false, .is_fixed = is_first, .axis = index(turn.axis)});
     link_.turn(turn.axis);
   }
 
@@ -106,6 +108,7 @@ class Classifier {
       found_.kinds[c].is_fixed = false;
     }
     found_.is_curved = found_.is_curved || n_turns_ > 0;
+    found_.has_place = true;
     link_.arm(arm.axis);
   }
 
@@ -115,13 +118,13 @@ class Classifier {
     found_.n_scalars = found_.n_u;
     for (int c = 0; c < found_.n_u; ++c) found_.kinds[c].rotates = false;
     for (int axis = 0; axis < 3; ++axis) {
-      add({.displaces = false, .rotates = true, .is_length = false, .is_fixed = true});
+      add({.displaces = false, .rotates = true, .is_length = false, .is_fixed = true, .axis = axis});
     }
   }
 
   void operator()(const joints::ByMotion& by) {
     require_kinds_of(by);
-    found_.by_functions = found_.is_curved = true;
+    found_.by_functions = found_.is_curved = found_.has_place = true;
     found_.ranges = by.ranges;
     for (const bool turns : by.turns) {
       add({.displaces = true, .rotates = true, .is_length = !turns, .is_fixed = false});

@@ -14,7 +14,8 @@ struct ColumnKind {
   bool displaces = false;  // S has entries in the rows of ddot
   bool rotates = false;    // and in those of omega_rel
   bool is_length = false;  // q in m; else in rad
-  bool is_fixed = false;   // the column is the same in every pose
+  bool is_fixed = false;   // the column is the same in every pose: a unit vector along or about
+  int axis = 0;            // this axis of the parent's joint frame
 };
 
 struct MotionStructure {
@@ -26,6 +27,8 @@ struct MotionStructure {
   /// coordinates name each pose. -1: none.
   int elevation = -1;
   bool has_ball = false;
+  /// Whether the child's point can leave the parent's.
+  bool has_place = false;
   bool by_functions = false;
   /// Whether d or R depends on q other than by slides and turns in place.
   bool is_curved = false;

@@ -30,6 +30,10 @@ Kinematics::Kinematics(const Model& model)
     mobilizers_.emplace_back(*joint.type, size_.length());
     for (const Attachment& side : joint.sides) points_.emplace_back(fmt::format("joint '{}'", joint.name), side);
   }
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const VecX home = mobilizers_[k].home();
+    mobilizers_[k].evaluate(home.data(), VecX::Zero(mobilizers_[k].n_u()).eval().data(), joint_motions_[k]);
+  }
   for (const Link& link : topology_.links) {
     LinkBlocks blocks;
     blocks.Xa.setZero(6, model.bodies[link.reference].n_modes());
@@ -112,88 +116,169 @@ void Kinematics::deform(JointIndex joint, Side side) {
   moving_point(joint, side).deform(q_.data() + modes.first_q, u_.data() + modes.first_u);
 }
 
-void Kinematics::update_link(LinkIndex l) {
-  const Link& link = topology_.links[l];
-  const Span& span = topology_.joints[link.joint];
-  mobilizers_[link.joint].evaluate(q_.data() + span.first_q, u_.data() + span.first_u, joint_motions_[link.joint]);
-  require_rank(link.joint, joint_motions_[link.joint]);
+void Kinematics::deform_both_sides(const Link& link) {
   deform(link.joint, Side::parent);
   deform(link.joint, Side::child);
+}
+
+void Kinematics::update_link(LinkIndex l) {
+  if (update_turning_link(l)) return;
+  const Link& link = topology_.links[l];
+  const Span& span = topology_.joints[link.joint];
+  JointMotion& motion = joint_motions_[link.joint];
+  mobilizers_[link.joint].evaluate(q_.data() + span.first_q, u_.data() + span.first_u, motion);
+  require_rank(link.joint, motion);
+  if (is_flexible(l)) deform_both_sides(link);
   moving_point(link.joint, link.reference_side()).compute_point_motion(bodies_[link.reference]);
+  JointStep step;
   if (link.along) {
-    place_child_side(link);
+    place_child_side(link, step);
   } else {
-    place_parent_side(link);
+    place_parent_side(link, step);
   }
   moving_point(link.joint, link.own_side()).compute_body_motion(bodies_[link.body]);
-  compute_blocks(l);
+  compute_blocks(l, step);
 }
 
-void Kinematics::place_child_side(const Link& link) {  // (R15)
+/// All of it in closed form where the joint can do nothing but turn: the points coincide, the frame's other axes mix,
+/// and Sdot u vanishes. False of another joint.
+bool Kinematics::update_turning_link(LinkIndex l) {  // (R80)
+  const Link& link = topology_.links[l];
+  const Mobilizer& mobilizer = mobilizers_[link.joint];
+  const int axis = mobilizer.only_turn();
+  if (axis < 0) return false;
+  const Span& span = topology_.joints[link.joint];
+  const double speed = u_(span.first_u);
+  const auto [sine, cosine] = mobilizer.turn_again(q_(span.first_q), speed, joint_motions_[link.joint]);
+  if (is_flexible(l)) deform_both_sides(link);
+  JointPoint& reference = moving_point(link.joint, link.reference_side());
+  JointPoint& own = moving_point(link.joint, link.own_side());
+  reference.compute_point_motion(bodies_[link.reference]);
+  const double sign = link.along ? 1.0 : -1.0;
+  const double signed_sine = sign * sine;
+  const Vec3 b = reference.A.col((axis + 1) % 3);
+  const Vec3 n = reference.A.col((axis + 2) % 3);
+  const Vec3 along_axis = reference.A.col(axis);
+  const Vec3 turn = sign * along_axis;
+  own.A.col((axis + 1) % 3) = cosine * b + signed_sine * n;
+  own.A.col((axis + 2) % 3) = cosine * n - signed_sine * b;
+  own.A.col(axis) = along_axis;
+  const Vec3 spin = turn * speed;  // of this body against its reference
+  own.r = reference.r;
+  own.v = reference.v;
+  own.omega = reference.omega + spin;
+  own.compute_body_motion(bodies_[link.body]);
+
+  LinkBlocks& blocks = blocks_[l];
+  const Vec3 from_own = -own.lever;
+  blocks.rho = reference.lever - own.lever;
+  blocks.H.col(0) << cross(turn, from_own), turn;
+  // The parent's omega differs from the reference's by the spin at most, whose cross product with itself vanishes.
+  const Vec3 turning = cross(reference.omega, spin) + reference.bias.tail<3>() - own.bias.tail<3>();
+  blocks.D.head<3>() = cross(turning, from_own) + (reference.bias.head<3>() - own.bias.head<3>());
+  blocks.D.tail<3>() = turning;
+  if (is_flexible(l)) shift_modes(l, from_own, from_own);
+  return true;
+}
+
+void Kinematics::take_joint_step(const Link& link, JointStep& step) const {
   const JointMotion& motion = joint_motions_[link.joint];
+  const Mat3& A = point(link.joint, Side::parent).A;
+  multiply(A, motion.v_rel.data() + 3, step.spin.data());
+  if (!mobilizers_[link.joint].has_place()) return;
+  multiply(A, motion.d.data(), step.d.data());
+  multiply(A, motion.v_rel.data(), step.sliding_velocity.data());
+}
+
+void Kinematics::place_child_side(const Link& link, JointStep& step) {  // (R15)
   const JointPoint& parent = point(link.joint, Side::parent);
   JointPoint& child = moving_point(link.joint, Side::child);
-  const Vec3 d = parent.A * motion.d;
-  child.A = parent.A * motion.R;
-  child.r = parent.r + d;
-  child.omega = parent.omega + parent.A * motion.v_rel.tail<3>();
-  child.v = parent.v + parent.omega.cross(d) + parent.A * motion.v_rel.head<3>();
+  take_joint_step(link, step);
+  multiply(parent.A, joint_motions_[link.joint].R, child.A);
+  child.r = parent.r + step.d;
+  child.omega = parent.omega + step.spin;
+  child.v = parent.v + cross(parent.omega, step.d) + step.sliding_velocity;
 }
 
-void Kinematics::place_parent_side(const Link& link) {  // (R16)
-  const JointMotion& motion = joint_motions_[link.joint];
+void Kinematics::place_parent_side(const Link& link, JointStep& step) {  // (R16)
   JointPoint& parent = moving_point(link.joint, Side::parent);
   const JointPoint& child = point(link.joint, Side::child);
-  parent.A = child.A * motion.R.transpose();
-  const Vec3 d = parent.A * motion.d;
-  parent.r = child.r - d;
-  parent.omega = child.omega - parent.A * motion.v_rel.tail<3>();
-  parent.v = child.v - parent.omega.cross(d) - parent.A * motion.v_rel.head<3>();
+  multiply_transpose(child.A, joint_motions_[link.joint].R, parent.A);
+  take_joint_step(link, step);
+  parent.r = child.r - step.d;
+  parent.omega = child.omega - step.spin;
+  parent.v = child.v - cross(parent.omega, step.d) - step.sliding_velocity;
+}
+
+/// The columns of S that are the same in every pose are axes of the parent's joint frame.
+void Kinematics::compute_columns(LinkIndex l, const Vec3& from_child) {
+  const Link& link = topology_.links[l];
+  const Mobilizer& mobilizer = mobilizers_[link.joint];
+  const JointMotion& motion = joint_motions_[link.joint];
+  const Mat3& A = point(link.joint, Side::parent).A;
+  for (int c = 0; c < mobilizer.n_u(); ++c) {
+    const ColumnKind& kind = mobilizer.kind(c);
+    double* column = blocks_[l].H.col(c).data();
+    Vec3 place = Vec3::Zero();
+    Vec3 turn = Vec3::Zero();
+    if (kind.is_fixed) {
+      (kind.displaces ? place : turn) = A.col(kind.axis);
+    } else {
+      if (kind.displaces) multiply(A, motion.S.col(c).data(), place.data());
+      if (kind.rotates) multiply(A, motion.S.col(c).data() + 3, turn.data());
+    }
+    const Vec3 linear = kind.rotates ? Vec3(cross(turn, from_child) + place) : place;
+    for (int row = 0; row < 3; ++row) {
+      column[row] = link.along ? linear(row) : -linear(row);
+      column[3 + row] = link.along ? turn(row) : -turn(row);
+    }
+  }
 }
 
 /// The joint contributes the velocity of the child's point seen from the parent's frame, plus or minus by the direction
 /// of the tree; everything is then moved to the origin of the link's body (R20), (R21). Levers are sums of the link's
 /// own lengths, not differences of places, which far from the ground's origin would hold the round-off of these.
-void Kinematics::compute_blocks(LinkIndex l) {
+void Kinematics::compute_blocks(LinkIndex l, const JointStep& step) {
   const Link& link = topology_.links[l];
   LinkBlocks& blocks = blocks_[l];
   const JointMotion& motion = joint_motions_[link.joint];
+  const Mobilizer& mobilizer = mobilizers_[link.joint];
   const JointPoint& parent = point(link.joint, Side::parent);
   const JointPoint& own = point(link.joint, link.own_side());
   const JointPoint& reference = point(link.joint, link.reference_side());
-  const double sign = link.along ? 1.0 : -1.0;
-  const Vec3 d = parent.A * motion.d;
   const Vec3 from_own = -own.lever;  // to the body's origin
-  const Vec3 from_reference = from_own + sign * d;
+  const Vec3 from_reference = link.along ? Vec3(from_own + step.d) : Vec3(from_own - step.d);
   const Vec3& from_child = link.along ? from_own : from_reference;
-
   blocks.rho = from_reference + reference.lever;
-  for (int c = 0; c < mobilizers_[link.joint].n_u(); ++c) {
-    const ColumnKind& kind = mobilizers_[link.joint].kind(c);
-    auto column = blocks.H.col(c);
-    column.setZero();
-    if (kind.rotates) {
-      const Vec3 axis = sign * (parent.A * motion.S.col(c).tail<3>());
-      column.tail<3>() = axis;
-      column.head<3>() = axis.cross(from_child);
-    }
-    if (kind.displaces) column.head<3>() += sign * (parent.A * motion.S.col(c).head<3>());
-  }
+  compute_columns(l, from_child);
 
-  const Vec3 spin = parent.A * motion.v_rel.tail<3>();
-  const Vec3 sliding_velocity = parent.A * motion.v_rel.head<3>();
   Vec6 joint_bias;
-  joint_bias.head<3>() = parent.omega.cross(parent.omega.cross(d) + 2.0 * sliding_velocity);
-  if (mobilizers_[link.joint].is_curved()) joint_bias.head<3>() += parent.A * motion.Sdot_u.head<3>();
-  joint_bias.tail<3>() = parent.omega.cross(spin) + parent.A * motion.Sdot_u.tail<3>();
-  blocks.D = shift_motion(reference.bias, from_reference) + sign * shift_motion(joint_bias, from_child) -
-             shift_motion(own.bias, from_own);
+  joint_bias.head<3>().setZero();
+  joint_bias.tail<3>() = cross(parent.omega, step.spin);
+  if (mobilizer.has_place()) {
+    const Vec3& sliding_velocity = step.sliding_velocity;
+    joint_bias.head<3>() = cross(parent.omega, cross(parent.omega, step.d) + 2.0 * sliding_velocity);
+  }
+  if (mobilizer.is_curved()) joint_bias.head<3>() += times(parent.A, motion.Sdot_u.head<3>());
+  joint_bias.tail<3>() += times(parent.A, motion.Sdot_u.tail<3>());
+  const Vec6 of_joint = shift_motion(joint_bias, from_child);
+  blocks.D = shift_motion(reference.bias, from_reference) - shift_motion(own.bias, from_own);
+  if (link.along) {
+    blocks.D += of_joint;
+  } else {
+    blocks.D -= of_joint;
+  }
+  if (is_flexible(l)) shift_modes(l, from_reference, from_own);
+}
 
+void Kinematics::shift_modes(LinkIndex l, const Vec3& from_reference, const Vec3& from_own) {
+  const Link& link = topology_.links[l];
   const auto shift_columns = [](const Mat6X& G, const Vec3& e, Mat6X& moved) {
     for (Eigen::Index c = 0; c < G.cols(); ++c) moved.col(c) = shift_motion(G.col(c), e);
   };
-  shift_columns(reference.Ga(), from_reference, blocks.Xa);
-  shift_columns(own.Ga(), from_own, blocks.Ha);
+  LinkBlocks& blocks = blocks_[l];
+  if (blocks.Xa.cols() > 0) shift_columns(point(link.joint, link.reference_side()).Ga(), from_reference, blocks.Xa);
+  if (blocks.Ha.cols() > 0) shift_columns(point(link.joint, link.own_side()).Ga(), from_own, blocks.Ha);
 }
 
 void Kinematics::place_cut_joint_points() {

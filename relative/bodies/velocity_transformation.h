@@ -7,6 +7,7 @@
 #include "relative/bodies/joint_point.h"
 #include "relative/bodies/machine_size.h"
 #include "relative/bodies/mobilizer.h"
+#include "relative/bodies/small_products.h"
 #include "relative/bodies/topology.h"
 #include "relative/bodies/turns.h"
 
@@ -25,16 +26,16 @@ struct LinkBlocks {
 };
 
 /// Moves a velocity or an acceleration [linear; angular] from one point of a frame to another, by e: Sh(e) V (R18).
-inline Vec6 shift_motion(const Vec6& V, const Vec3& e) {
+[[gnu::always_inline]] inline Vec6 shift_motion(const Vec6& V, const Vec3& e) {
   Vec6 moved = V;
-  moved.head<3>() += V.tail<3>().cross(e);
+  moved.head<3>() += cross(V.tail<3>(), e);
   return moved;
 }
 
 /// Moves a wrench [force; torque] to a point from which the old one is seen at e: Sh(e)^T w (R18).
-inline Vec6 shift_wrench(const Vec6& w, const Vec3& e) {
+[[gnu::always_inline]] inline Vec6 shift_wrench(const Vec6& w, const Vec3& e) {
   Vec6 moved = w;
-  moved.tail<3>() += e.cross(w.head<3>());
+  moved.tail<3>() += cross(e, w.head<3>());
   return moved;
 }
 
@@ -114,10 +115,24 @@ class Kinematics {
  private:
   JointPoint& moving_point(JointIndex joint, Side side) { return points_[2 * joint + index(side)]; }
   void deform(JointIndex joint, Side side);
+  /// What a joint of the tree moves, in global axes.
+  struct JointStep {
+    Vec3 d = Vec3::Zero();
+    Vec3 sliding_velocity = Vec3::Zero();
+    Vec3 spin = Vec3::Zero();
+  };
+
   void update_link(LinkIndex l);
-  void place_child_side(const Link& link);
-  void place_parent_side(const Link& link);
-  void compute_blocks(LinkIndex l);
+  [[nodiscard]] bool update_turning_link(LinkIndex l);
+  /// Whether a link's body or its reference body has modes.
+  [[nodiscard]] bool is_flexible(LinkIndex l) const { return blocks_[l].Xa.cols() + blocks_[l].Ha.cols() > 0; }
+  void deform_both_sides(const Link& link);
+  void place_child_side(const Link& link, JointStep& step);
+  void place_parent_side(const Link& link, JointStep& step);
+  void take_joint_step(const Link& link, JointStep& step) const;
+  void compute_blocks(LinkIndex l, const JointStep& step);
+  void compute_columns(LinkIndex l, const Vec3& from_child);
+  void shift_modes(LinkIndex l, const Vec3& from_reference, const Vec3& from_own);
   void place_cut_joint_points();
 
   const Model* model_;

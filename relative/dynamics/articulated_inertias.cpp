@@ -106,10 +106,10 @@ template <int N>
 void ArticulatedInertias::eliminate_rigid(LinkIndex l) {  // (R34), (R35)
   ArticulatedBody& link = links_[l];
   const Mat6& H = free_columns(l);
-  const Vec6 p = link.bias_force + link.articulated_inertia * link.c;
+  const Vec6 p = link.bias_force + times(link.articulated_inertia, link.c);
   Mat6 V;
   Vec6 w;
-  for (int j = 0; j < N; ++j) V.col(j).noalias() = link.articulated_inertia.lazyProduct(H.col(j));
+  for (int j = 0; j < N; ++j) V.col(j) = times(link.articulated_inertia, H.col(j));
   for (int j = 0; j < N; ++j) {
     for (int i = j; i < N; ++i) link.L(i, j) = H.col(i).dot(V.col(j));
   }
@@ -123,7 +123,9 @@ void ArticulatedInertias::eliminate_rigid(LinkIndex l) {  // (R34), (R35)
     link.uhat(j) = w(j) / link.root(j);
   }
   if (kinematics_->topology().links[l].reference == kGround) return;
-  add_to_reference_body(l, without_products<N>(link.articulated_inertia, V, link.W), p + combination<N>(link.W, w));
+  Mat6 left;
+  take_off_products<N>(link.articulated_inertia, V, link.W, left);
+  add_to_reference_body(l, left, p + combination<N>(link.W, w));
 }
 
 void ArticulatedInertias::eliminate_flexible(LinkIndex l) {  // (R34), (R35)
@@ -166,27 +168,9 @@ void ArticulatedInertias::add_to_reference_body(LinkIndex l, const Mat6& I, cons
   if (step.reference == kGround) return;
   const LinkIndex reference = *kinematics_->topology().link_of_body[step.reference];
   const LinkBlocks& blocks = kinematics_->blocks(l);
-  const Vec3& rho = blocks.rho;
+  const Vec3 rho = blocks.rho;
   ArticulatedBody& to = links_[reference];
-  // I Sh: the right half is [B; C] - [A; B^T] rho~, where a row x^T times rho~ is (x cross rho)^T.
-  const Mat3 A = I.topLeftCorner<3, 3>();
-  Mat3 B = I.topRightCorner<3, 3>();
-  Mat3 C = I.bottomRightCorner<3, 3>();
-  const auto times_rho_tilde = [&rho](const Mat3& X) {
-    Mat3 result;
-    result.col(0) = X.col(1) * rho.z() - X.col(2) * rho.y();
-    result.col(1) = X.col(2) * rho.x() - X.col(0) * rho.z();
-    result.col(2) = X.col(0) * rho.y() - X.col(1) * rho.x();
-    return result;
-  };
-  C -= times_rho_tilde(B.transpose());
-  B -= times_rho_tilde(A);
-  // rho~ B = -(B^T rho~)^T.
-  C -= times_rho_tilde(B.transpose()).transpose();
-  to.articulated_inertia.topLeftCorner<3, 3>() += A;
-  to.articulated_inertia.topRightCorner<3, 3>() += B;
-  to.articulated_inertia.bottomLeftCorner<3, 3>() += B.transpose();
-  to.articulated_inertia.bottomRightCorner<3, 3>() += C;
+  add_shifted(I, rho, to.articulated_inertia);
   to.bias_force += shift_wrench(p, rho);
   if (!flexible_of_link_[reference]) return;
   FlexibleArticulatedBody& f = flexible_[*flexible_of_link_[reference]];

@@ -213,9 +213,17 @@ void Reactions::backward_pass() {  // (R57), (R58)
 
 void Reactions::report(JointIndex joint, const Vec6& on_child, const Vec6& on_parent) {
   JointWrenches& wrenches = found_.joints[joint];
-  wrenches.total[index(Side::child)] = in_both_frames(kinematics_->point(joint, Side::child).A, on_child);
-  wrenches.total[index(Side::parent)] = in_both_frames(kinematics_->point(joint, Side::parent).A, on_parent);
-  wrenches.reaction = wrenches.total;
+  const auto report_on = [&](Side side, const Vec6& w) {
+    const Mat3& A = kinematics_->point(joint, side).A;
+    SideWrench& total = wrenches.total[index(side)];
+    multiply_transpose(A, w.data(), total.in_C.force.data());
+    multiply_transpose(A, w.data() + 3, total.in_C.torque.data());
+    total.in_global.force = w.head<3>();
+    total.in_global.torque = w.tail<3>();
+    wrenches.reaction[index(side)] = total;
+  };
+  report_on(Side::parent, on_parent);
+  report_on(Side::child, on_child);
 }
 
 void Reactions::add_to_total(JointIndex joint, const Vec6& on_child, const Vec6& on_parent) {

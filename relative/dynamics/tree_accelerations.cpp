@@ -52,8 +52,7 @@ void TreeAccelerations::load(const ArticulatedInertias& tree, LinkIndex l) {
   if (flexible_of_link_[l]) {
     flexible_[*flexible_of_link_[l]].uhat = tree.flexible(l)->uhat;
   } else {
-    const ArticulatedBody& link = tree.link(l);
-    for (int k = 0; k < link.n_free; ++k) links_[l].uhat(k) = link.uhat(k);
+    links_[l].uhat = tree.link(l).uhat;
   }
 }
 

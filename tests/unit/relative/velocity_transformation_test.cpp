@@ -76,6 +76,75 @@ TEST_P(MovingMachine, JointPointsOfBothSidesObeyTheMotion) {
 INSTANTIATE_TEST_SUITE_P(Trees, MovingMachine, ::testing::Bool(),
                          [](const auto& tested) { return tested.param ? "flexible" : "rigid"; });
 
+/// Two bodies, flexible if so wished, the second tied to the first by a joint of the type, with or against the tree.
+Model two_bodies(const joints::JointType& type, bool along, bool flexible) {
+  test::Numbers numbers(91);
+  Model model;
+  model.file = "two.toml";
+  model.bodies = {test::ground()};
+  for (const char* name : {"first", "second"})
+    model.bodies.push_back(flexible ? test::flexible_body(name, 2, numbers) : test::rigid_body(name, numbers));
+  model.joints = {test::joint(model, "flight", "free", 0, 1, numbers),
+                  test::joint(model, "J", type.name.c_str(), along ? 1 : 2, along ? 2 : 1, numbers)};
+  return model;
+}
+
+/// Fixed columns and turns alone are written in closed form: they are what (R20) and (R21) make of the whole motion of
+/// the type's words.
+TEST(Blocks, OfEveryJointTypeAreThoseOfItsWords) {
+  for (const joints::JointType* type : test::all_types()) {
+    for (const int variant : {0, 1, 2, 3}) {
+      const bool along = variant % 2 == 0;
+      const Model model = two_bodies(*type, along, variant >= 2);
+      SCOPED_TRACE(type->name + (along ? " along" : " against"));
+      Kinematics kinematics(model);
+      const Topology& topology = kinematics.topology();
+      test::Numbers numbers(92);
+      VecX q = numbers.vector(topology.n_q, 0.2);
+      const VecX u = numbers.vector(topology.n_u, 1.0);
+      for (std::size_t k = 0; k < model.joints.size(); ++k) {
+        const Joint& joint = model.joints[k];
+        for (std::size_t word = 0; word < joint.start.size(); ++word) {
+          const int first = topology.joints[k].first_q + first_q(*joint.type, static_cast<int>(word));
+          q.segment(first, joint.start[word].q.size()) = joint.start[word].q;
+        }
+      }
+      kinematics.update(VecX::Constant(q.size(), 0.3), -u);  // nothing is left of another pose
+      kinematics.update(q, u);
+      const JointIndex k(1);
+      const Span& span = topology.joints[k];
+      JointMotion motion;
+      Mobilizer(*type, kinematics.size().length()).evaluate(q.data() + span.first_q, u.data() + span.first_u, motion);
+      const JointMotion& kept = kinematics.joint_motion(k);
+      EXPECT_LT((kept.R - motion.R).norm() + (kept.d - motion.d).norm() + (kept.v_rel - motion.v_rel).norm() +
+                    (kept.S - motion.S).leftCols(span.n_u).norm() + (kept.Sdot_u - motion.Sdot_u).norm(),
+                1e-14);
+      const JointPoint& parent = kinematics.point(k, Side::parent);
+      const JointPoint& child = kinematics.point(k, Side::child);
+      const JointPoint& reference = along ? parent : child;
+      const JointPoint& own = along ? child : parent;
+      const BodyMotion& body = kinematics.body(BodyIndex(2));
+      const double sign = along ? 1.0 : -1.0;
+      const auto in_global = [&](const Vec6& v) {
+        return (Vec6() << parent.A * v.head<3>(), parent.A * v.tail<3>()).finished();
+      };
+      const LinkBlocks& blocks = kinematics.blocks(LinkIndex(1));
+      EXPECT_LT((blocks.rho - (body.r - kinematics.body(BodyIndex(1)).r)).norm(), 1e-14);
+      for (int c = 0; c < span.n_u; ++c) {
+        const Vec6 column = sign * shift_motion(in_global(motion.S.col(c)), body.r - child.r);
+        EXPECT_LT((blocks.H.col(c) - column).norm(), 1e-14) << c;
+      }
+      const Vec3 d = parent.A * motion.d;
+      Vec6 b = in_global(motion.Sdot_u);
+      b.head<3>() += parent.omega.cross(parent.omega.cross(d) + 2.0 * (parent.A * motion.v_rel.head<3>()));
+      b.tail<3>() += parent.omega.cross(parent.A * motion.v_rel.tail<3>());
+      const Vec6 D = shift_motion(reference.bias, body.r - reference.r) + sign * shift_motion(b, body.r - child.r) -
+                     shift_motion(own.bias, body.r - own.r);
+      EXPECT_LT((blocks.D - D).norm(), 1e-13);
+    }
+  }
+}
+
 TEST(Shift, MovesMotionsAndWrenchesWithEqualPower) {
   test::Numbers numbers(2);
   const Vec6 V = numbers.vector(6, 1.0);
