@@ -136,7 +136,9 @@ void Equations::require_current(const Evaluated& evaluated) const {
 
 const JointReactions& Equations::compute_reactions(const Evaluated& evaluated) {
   require_current(evaluated);
-  return reactions_.compute(inertias_, accelerations_, applied_, evaluated.loops().lambda);
+  const JointReactions& found = reactions_.compute(inertias_, accelerations_, applied_, evaluated.loops().lambda);
+  reactions_.share_out_springs(applied_);
+  return found;
 }
 
 const JointReactions& Equations::compute_self_stress(const Motion& /*motion*/, const VecX& lambda) {
@@ -158,7 +160,7 @@ double Equations::power(const Evaluated& evaluated) {
   require_current(evaluated);
   double power = applied_.power();
   if (has_drivers()) {
-    const JointReactions& reactions = compute_reactions(evaluated);
+    const JointReactions& reactions = reactions_.compute(inertias_, accelerations_, applied_, evaluated.loops().lambda);
     for (const Prescription& driver : drivers_) {
       const VecX& of_driver = reactions.joints[driver.joint].share_of(Actor::driver);
       power += of_driver(driver.u - topology().joints[driver.joint].first_u) * motion_.u()(driver.u);

@@ -5,7 +5,7 @@
 namespace concord::relative {
 
 Reactions::Reactions(const Kinematics& kinematics, const Closure& closure)
-    : kinematics_(&kinematics), closure_(&closure) {
+    : kinematics_(&kinematics), closure_(&closure), tau_of_springs_(VecX::Zero(kinematics.topology().n_u)) {
   found_.couplings.assign(kinematics.model().couplings.size(), 0.0);
   found_.coupling_tau.setZero(kinematics.topology().n_u);
   const Model& model = kinematics.model();
@@ -94,11 +94,20 @@ void Reactions::set_spring_forces(const AppliedForces& applied) {
     const Span& span = kinematics_->topology().joints[forced.joint];
     JointWrenches& wrenches = found_.joints[forced.joint];
     wrenches.tau = applied.tau().segment(span.first_u, span.n_u);
-    VecX& of_motors = wrenches.shares[index(Actor::motor)];
-    VecX& of_springs = wrenches.shares[index(Actor::spring)];
-    of_motors = applied.tau_of_motors().segment(span.first_u, span.n_u);
-    of_springs = applied.tau_of_springs().segment(span.first_u, span.n_u);
-    wrenches.shares[index(Actor::damper)] = wrenches.tau - of_motors - of_springs;
+  }
+}
+
+void Reactions::share_out_springs(const AppliedForces& applied) {
+  if (!applied.any()) return;
+  applied.write_tau_of_springs(tau_of_springs_);
+  for (const ForcedJoint& forced : forced_joints_) {
+    const Span& span = kinematics_->topology().joints[forced.joint];
+    std::array<VecX, kActors.size()>& shares = found_.joints[forced.joint].shares;
+    const auto of_motors = applied.tau_of_motors().segment(span.first_u, span.n_u);
+    const auto of_springs = tau_of_springs_.segment(span.first_u, span.n_u);
+    shares[index(Actor::motor)] = of_motors;
+    shares[index(Actor::spring)] = of_springs;
+    shares[index(Actor::damper)] = applied.tau().segment(span.first_u, span.n_u) - of_motors - of_springs;
   }
 }
 

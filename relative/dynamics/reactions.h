@@ -26,9 +26,12 @@ class Reactions {
   /// Both must outlive this object.
   Reactions(const Kinematics& kinematics, const Closure& closure);
 
-  /// Wrenches for accelerations, applied forces, inertias (by link) and multipliers.
+  /// Wrenches for accelerations, applied forces, inertias (by link) and multipliers; of the shares those of drivers.
   const JointReactions& compute(const std::vector<BodyInertia>& inertias, const TreeAccelerations& accelerations,
                                 const AppliedForces& applied, const VecX& lambda);
+
+  /// Shares out what springs, dampers and motors of joints exert, of the last compute() with these forces.
+  void share_out_springs(const AppliedForces& applied);
 
   /// What the accelerations of the last compute() leave on a link, outboard links among it: six rigid rows about the
   /// body's origin, all that its joint passes, and the modal rows, which vanish but for round-off (R58).
@@ -72,6 +75,7 @@ class Reactions {
   const Closure* closure_;
   std::vector<Load> loads_;
   std::vector<ForcedJoint> forced_joints_;
+  VecX tau_of_springs_;
   JointReactions found_;
 };
 

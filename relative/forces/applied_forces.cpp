@@ -18,8 +18,7 @@ AppliedForces::AppliedForces(const Kinematics& kinematics, const Closure& closur
       on_child_of_cut_(closure.cuts().size(), Vec6::Zero()),
       wrenches_(kinematics.model().elements.size()),
       tau_(VecX::Zero(kinematics.topology().n_u)),
-      tau_of_motors_(tau_),
-      tau_of_springs_(tau_) {
+      tau_of_motors_(tau_) {
   for (const Link& link : kinematics.topology().links) {
     on_modes_.emplace_back(VecX::Zero(kinematics.topology().modes[link.body].n_u));
   }
@@ -118,7 +117,6 @@ void AppliedForces::clear() {
   for (VecX& force : on_modes_) force.setZero();
   tau_.setZero();
   tau_of_motors_.setZero();
-  tau_of_springs_.setZero();
   power_ = 0.0;
 }
 
@@ -259,13 +257,12 @@ void AppliedForces::apply_element(double t, Element& element, ElementWrenches& w
 void AppliedForces::apply_springs(const Motion& motion) {
   const VecX& q = motion.q();
   const VecX& u = motion.u();
-  for (const Spring& spring : springs_) {
+  for (Spring& spring : springs_) {
     LawInRegime& law_in_regime = laws_[spring.law].law_in_regime;
-    const double angle_or_place = kinematics_->with_turns(spring.q, q(spring.q));
+    spring.place = kinematics_->with_turns(spring.q, q(spring.q));
     const double of_motor = evaluate_actuator(*law_in_regime.law, motion.t());
-    const double tau = of_motor - law_in_regime.resist(angle_or_place, u(spring.u), regimes_are_frozen_);
+    const double tau = of_motor - law_in_regime.resist(spring.place, u(spring.u), regimes_are_frozen_);
     tau_of_motors_(spring.u) += of_motor;
-    tau_of_springs_(spring.u) -= evaluate_resistance(*law_in_regime.law, angle_or_place, 0.0).force;
     tau_(spring.u) += tau;
     power_ += tau * u(spring.u);
   }
@@ -283,6 +280,13 @@ void AppliedForces::apply_springs(const Motion& motion) {
     apply_wrench(BodyIndex(joint.on(Side::parent).body), parent,
                  opposite_wrench_at(on_child_of_cut_[c], child.r, parent.r));
     power_ = power_so_far;
+  }
+}
+
+void AppliedForces::write_tau_of_springs(VecX& tau) const {
+  tau.setZero();
+  for (const Spring& spring : springs_) {
+    tau(spring.u) -= evaluate_resistance(*laws_[spring.law].law_in_regime.law, spring.place, 0.0).force;
   }
 }
 

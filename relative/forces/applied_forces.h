@@ -78,9 +78,10 @@ class AppliedForces {
 
   /// Coordinate force of the joint springs on every speed (n_u numbers, those of cut joints too).
   [[nodiscard]] const VecX& tau() const { return tau_; }
-  /// What of it is the law of time of a motor, what acts without the rate, and what the rate adds.
+  /// What of it is the law of time of a motor.
   [[nodiscard]] const VecX& tau_of_motors() const { return tau_of_motors_; }
-  [[nodiscard]] const VecX& tau_of_springs() const { return tau_of_springs_; }
+  /// Writes what of it acts without the rate, n_u numbers: the laws once more, at rest. The rate adds the rest.
+  void write_tau_of_springs(VecX& tau) const;
   /// Coordinate wrench of the springs of a cut joint on its child at P_i, global axes.
   [[nodiscard]] const Vec6& on_child_of_cut(CutIndex cut) const { return on_child_of_cut_[cut]; }
 
@@ -115,6 +116,7 @@ class AppliedForces {
   struct Spring {
     int law;  // its index among the laws
     int q, u;
+    double place = 0.0;  // its coordinate at the last update, turns included
   };
   /// The law of a line or turn spring or of a joint spring, and whose it is.
   struct OwnedLaw {
@@ -164,7 +166,6 @@ class AppliedForces {
   std::vector<ElementWrenches> wrenches_;
   VecX tau_;
   VecX tau_of_motors_;
-  VecX tau_of_springs_;
   double power_ = 0.0;
 };
 
