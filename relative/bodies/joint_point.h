@@ -31,7 +31,7 @@ class JointPoint {
     if (n_modes() > 0) deform_flexible(a, adot);
   }
 
-  /// Point and joint frame from the body's motion (R5).
+  /// Point and joint frame from the body's motion, and Gdot_P Y (R5), (R6).
   void compute_point_motion(const BodyMotion& body) {
     multiply(body.A, C_, A);
     multiply(body.A, s_L_.data(), lever.data());
@@ -72,7 +72,7 @@ class JointPoint {
   void add_deformation(const BodyMotion& body);
   void remove_deformation(BodyMotion& body);
   void rotate_modes(const Mat3& body_A);
-  void add_deformation_bias(const Vec3& body_omega);  // (R6)
+  void add_deformation_bias(const Vec3& body_omega);
 
   Attachment attachment_;
   std::string owner_;

@@ -6,6 +6,15 @@
 
 namespace concord::relative {
 
+std::vector<std::set<int>> neighbours_of(const std::vector<std::vector<int>>& meeting, std::size_t n) {
+  std::vector<std::set<int>> neighbours(n);
+  for (const std::vector<int>& groups : meeting) {
+    for (const int group : groups) neighbours[group].insert(groups.begin(), groups.end());
+  }
+  for (std::size_t group = 0; group < n; ++group) neighbours[group].erase(static_cast<int>(group));
+  return neighbours;
+}
+
 EliminationOrder::EliminationOrder(std::vector<RowGroup> groups, std::vector<std::set<int>> neighbours)
     : groups_(std::move(groups)), place_of_(groups_.size(), -1) {
   choose(neighbours);

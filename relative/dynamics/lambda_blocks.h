@@ -16,6 +16,9 @@ struct RowGroup {
   int n_rows = 0;
 };
 
+/// Of each of n groups the others that it couples with, from the groups that meet at each of many places.
+[[nodiscard]] std::vector<std::set<int>> neighbours_of(const std::vector<std::vector<int>>& meeting, std::size_t n);
+
 /// The order in which groups of rows are eliminated, and the blocks of the factor that this fills. It depends on which
 /// groups share a link, and on no pose: of the groups that are left, the one that is coupled to the fewest comes first,
 /// and couples these to each other.

@@ -32,12 +32,7 @@ EliminationOrder Loops::order_of_paths() const {
     for (const PathLink& path_link : path.links) paths_on[path_link.link].push_back(static_cast<int>(groups.size()));
     groups.push_back({path.first_row.value(), path.n_rows});
   }
-  std::vector<std::set<int>> neighbours(groups.size());
-  for (const std::vector<int>& paths : paths_on) {
-    for (const int path : paths) neighbours[path].insert(paths.begin(), paths.end());
-  }
-  for (std::size_t path = 0; path < groups.size(); ++path) neighbours[path].erase(static_cast<int>(path));
-  return {std::move(groups), std::move(neighbours)};
+  return {std::move(groups), neighbours_of(paths_on, paths_.size())};
 }
 
 /// Pairs of links of two paths that are the same link, for the blocks on and below the diagonal.

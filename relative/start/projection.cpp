@@ -19,7 +19,7 @@ constexpr double kModesMove = 1e-3;
 
 }  // namespace
 
-Projection::Projection(const ScaledClosure& scaled) : scaled_(&scaled) {
+Projection::Projection(const ScaledClosure& scaled) : scaled_(&scaled), loop_rows_(scaled) {
   const std::vector<int>& columns = scaled.free_columns();
   weights_of_joints_ = weights_of_all_ = VecX::Ones(static_cast<Eigen::Index>(columns.size()));
   const std::vector<int> of_joints = scaled.moving_columns(scaled.equations().driven(), Modes::kept);
@@ -29,8 +29,11 @@ Projection::Projection(const ScaledClosure& scaled) : scaled_(&scaled) {
   }
 }
 
-/// Factors the closure rows here, in the units of the machine: those for positions by themselves, and all.
+/// Factors the closure rows here, in the units of the machine: all at once where they are clearly independent, else
+/// those for positions by themselves, and all.
 void Projection::factor_rows() {
+  is_clear_ = loop_rows_.factor(weights());
+  if (is_clear_) return;
   const Closure& closure = scaled_->closure();
   const MatX Phi = scaled_->rows(scaled_->free_columns()) * weights().asDiagonal();
   const bool positions_are_all = closure.n_position_rows() == closure.n_rows();
@@ -43,7 +46,8 @@ void Projection::factor_rows() {
 VecX Projection::step_against(const VecX& misfit) const {
   const Closure& closure = scaled_->closure();
   const VecX scaled = misfit.cwiseQuotient(closure.row_units().head(misfit.size()));
-  const VecX solution = (misfit.size() < closure.n_rows() ? position_factors_ : row_factors_).smallest_step(scaled);
+  const RowRank& factors = misfit.size() < closure.n_rows() ? position_factors_ : row_factors_;
+  const VecX solution = is_clear_ ? loop_rows_.smallest_step(scaled) : factors.smallest_step(scaled);
   VecX step = VecX::Zero(scaled_->equations().topology().n_tree_u);
   const VecX& columns = weights();
   for (std::size_t c = 0; c < scaled_->free_columns().size(); ++c) {

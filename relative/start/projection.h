@@ -1,5 +1,6 @@
 #pragma once
 
+#include "relative/rank/loop_rows.h"
 #include "relative/rank/row_rank.h"
 #include "relative/rank/scaled_closure.h"
 
@@ -30,6 +31,8 @@ class Projection {
   // By free column: as if it were this part of itself.
   VecX weights_of_joints_;
   VecX weights_of_all_;
+  LoopRows loop_rows_;
+  bool is_clear_ = false;  // whether loop_rows_ hold the factor
   RowRank row_factors_;
   RowRank position_factors_;  // of the rows for positions, where there are others
 };

@@ -296,6 +296,41 @@ inline Model four_bar(bool folded = false) {
   return model;
 }
 
+/// Four cranks side by side on ground, each tied to the next by a rod: three loops, of which those that share a crank
+/// couple. If so wished, the second and third crank are tied by two rods between the same points: a fourth loop, of
+/// which a row depends on others.
+inline Model ladder(bool doubled) {
+  constexpr int kCranks = 4;
+  Numbers numbers(83);
+  Model model;
+  model.name = "ladder";
+  model.file = "ladder.toml";
+  model.gravity = Vec3(1.4, -9.0, 2.2);
+  model.bodies = {ground()};
+  const auto add_body = [&](const std::string& name) {
+    model.bodies.push_back(rigid_body(name, numbers));
+    model.bodies.back().pose_guess = Pose{numbers.vector(0.5), numbers.rotation()};
+    return static_cast<int>(model.bodies.size()) - 1;
+  };
+  for (int crank = 1; crank <= kCranks; ++crank) {
+    add_body("crank " + std::to_string(crank));
+    model.joints.push_back(fitting_joint(model, "A" + std::to_string(crank), "revolute", 0, crank,
+                                         Vec3(0.4 * crank, 0, 0) + numbers.vector(0.1), numbers));
+  }
+  for (int crank = 1; crank < kCranks; ++crank) {
+    const Vec3 from = Vec3(0.4 * crank, 0.3, 0) + numbers.vector(0.1);
+    const Vec3 to = Vec3(0.4 * crank + 0.4, 0.2, 0.1) + numbers.vector(0.1);
+    for (int rod = 0; rod < (doubled && crank == 2 ? 2 : 1); ++rod) {
+      const std::string name = std::to_string(crank) + (rod == 0 ? "" : " again");
+      const int body = add_body("rod " + name);
+      model.joints.push_back(fitting_joint(model, "S" + name, "spherical", crank, body, from, numbers));
+      model.joints.push_back(fitting_joint(model, "U" + name, "universal", body, crank + 1, to, numbers));
+    }
+  }
+  keep_first_word(model.joints[0], 1.6);
+  return model;
+}
+
 /// Keeps n speeds of the second flight of a pair: of its turn, or of its place.
 inline void keep_speeds_in_space(Model& pair, std::size_t n) {
   std::vector<WordStart>& words = pair.joints[1].start;

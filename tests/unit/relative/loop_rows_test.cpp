@@ -1,0 +1,84 @@
+#include "relative/rank/loop_rows.h"
+
+#include <gtest/gtest.h>
+
+#include "machines.h"
+#include "relative/rank/row_rank.h"
+#include "relative/start/assembly.h"
+
+namespace concord::relative {
+namespace {
+
+/// Loops that share bodies: a ladder whose feet stand on a flexible body that flies, so that no loop reaches ground.
+Model flying_ladder() {
+  Model model = test::ladder(false);
+  test::Numbers numbers(19);
+  model.bodies.push_back(test::flexible_body("frame", 3, numbers));
+  const int frame = static_cast<int>(model.bodies.size()) - 1;
+  model.bodies.back().pose_guess = Pose{numbers.vector(0.3), numbers.rotation()};
+  for (Joint& joint : model.joints) {
+    if (joint.sides[0].body != kGround) continue;
+    const int crank = joint.sides[1].body;
+    joint = test::fitting_joint(model, joint.name, "revolute", frame, crank, Vec3(0.4 * crank, 0.1, 0), numbers);
+  }
+  test::keep_first_word(model.joints[0], 1.6);
+  model.joints.push_back(test::fitting_joint(model, "flight", "free", 0, frame, Vec3(0.1, 0.2, 0.3), numbers));
+  for (WordStart& word : model.joints.back().start) word.role_q = word.role_u = StartRole::keep;
+  return model;
+}
+
+Model machine(const std::string& name) {
+  if (name == "ladder") return test::ladder(false);
+  if (name == "flying") return flying_ladder();
+  Model model = test::spatial_slider_crank(name == "flexible");
+  if (name != "driven") return model;
+  test::release(model.joints[0]);
+  model.joints[0].drivers.push_back({0, Harmonic{model.joints[0].start[0].q(0), 0.3, 4.0, 0.0}});
+  return model;
+}
+
+class Rows : public ::testing::TestWithParam<const char*> {};
+
+/// In a pose that is not closed, for every column and for weights.
+TEST_P(Rows, OfLoopsTakeTheStepThatDenseRowsTake) {
+  const Model model = machine(GetParam());
+  Equations equations(model);
+  Assembly assembly(equations);
+  Coordinates pose = assembly.start();
+  const ScaledClosure& scaled = assembly.scaled();
+  test::Numbers numbers(3);
+  const std::vector<int>& columns = scaled.free_columns();
+  pose.q.head(equations.topology().n_tree_q) += numbers.vector(equations.topology().n_tree_q, 1e-3);
+  scaled.normalize(pose.q);
+  scaled.move(pose);
+  LoopRows rows(scaled);
+  for (const double least : {1.0, 0.2}) {
+    VecX weights(columns.size());
+    for (double& weight : weights) weight = least + (1.0 - least) * std::abs(numbers());
+    ASSERT_TRUE(rows.factor(weights));
+    const MatX Phi = scaled.rows(columns) * weights.asDiagonal();
+    const VecX misfit = numbers.vector(Phi.rows(), 1.0);
+    const VecX dense = RowRank(Phi).smallest_step(misfit);
+    const VecX found = rows.smallest_step(misfit);
+    EXPECT_LT((found - dense).norm(), 1e-10 * dense.norm());
+    EXPECT_LT((Phi * found + misfit).norm(), 1e-10 * misfit.norm());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Machines, Rows, ::testing::Values("rigid", "flexible", "driven", "ladder", "flying"),
+                         [](const auto& tested) { return tested.param; });
+
+/// Of a doubled rod, and of hinges with parallel axes: others judge there.
+TEST(LoopRows, RefuseRowsThatAreNotClearlyIndependent) {
+  for (const Model& model : {test::ladder(true), test::four_bar()}) {
+    Equations equations(model);
+    Assembly assembly(equations);
+    Coordinates pose = assembly.start();
+    assembly.scaled().move(pose);
+    LoopRows rows(assembly.scaled());
+    EXPECT_FALSE(rows.factor(VecX::Ones(static_cast<Eigen::Index>(assembly.scaled().free_columns().size()))));
+  }
+}
+
+}  // namespace
+}  // namespace concord::relative
