@@ -40,9 +40,22 @@ Kinematics::Kinematics(const Model& model)
     blocks.Ha.setZero(6, model.bodies[link.body].n_modes());
     blocks_.push_back(blocks);
   }
+  lay_out_places();
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     first_rows_[i] = n_rows_;
     n_rows_ += 6 + model.bodies[i].n_modes();
+  }
+}
+
+void Kinematics::lay_out_places() {
+  for (const LinkIndex l : upward<LinkIndex>(topology_.links.size())) {
+    const Link& link = topology_.links[l];
+    const Span& span = topology_.joints[link.joint];
+    const bool is_flexible = topology_.modes[link.body].n_u + topology_.modes[link.reference].n_u > 0;
+    places_.push_back({&mobilizers_[link.joint], &joint_motions_[link.joint],
+                       &moving_point(link.joint, link.reference_side()), &moving_point(link.joint, link.own_side()),
+                       &bodies_[link.reference], &bodies_[link.body], &blocks_[l], span.first_q, span.first_u,
+                       link.along ? 1.0 : -1.0, is_flexible});
   }
 }
 
@@ -122,54 +135,50 @@ void Kinematics::deform_both_sides(const Link& link) {
 }
 
 void Kinematics::update_link(LinkIndex l) {
-  if (update_turning_link(l)) return;
+  const LinkPlaces& at = places_[l];
+  if (at.mobilizer->only_turn() >= 0) return update_turning_link(l, at.mobilizer->only_turn());
   const Link& link = topology_.links[l];
-  const Span& span = topology_.joints[link.joint];
-  JointMotion& motion = joint_motions_[link.joint];
-  mobilizers_[link.joint].evaluate(q_.data() + span.first_q, u_.data() + span.first_u, motion);
-  require_rank(link.joint, motion);
-  if (is_flexible(l)) deform_both_sides(link);
-  moving_point(link.joint, link.reference_side()).compute_point_motion(bodies_[link.reference]);
+  at.mobilizer->evaluate(q_.data() + at.first_q, u_.data() + at.first_u, *at.motion);
+  require_rank(link.joint, *at.motion);
+  if (at.is_flexible) deform_both_sides(link);
+  at.reference->compute_point_motion(*at.reference_body);
   JointStep step;
   if (link.along) {
     place_child_side(link, step);
   } else {
     place_parent_side(link, step);
   }
-  moving_point(link.joint, link.own_side()).compute_body_motion(bodies_[link.body]);
+  at.own->compute_body_motion(*at.body);
   compute_blocks(l, step);
 }
 
 /// All of it in closed form where the joint can do nothing but turn: the points coincide, the frame's other axes mix,
-/// and Sdot u vanishes. False of another joint.
-bool Kinematics::update_turning_link(LinkIndex l) {  // (R80)
-  const Link& link = topology_.links[l];
-  const Mobilizer& mobilizer = mobilizers_[link.joint];
-  const int axis = mobilizer.only_turn();
-  if (axis < 0) return false;
-  const Span& span = topology_.joints[link.joint];
-  const double speed = u_(span.first_u);
-  const auto [sine, cosine] = mobilizer.turn_again(q_(span.first_q), speed, joint_motions_[link.joint]);
-  if (is_flexible(l)) deform_both_sides(link);
-  JointPoint& reference = moving_point(link.joint, link.reference_side());
-  JointPoint& own = moving_point(link.joint, link.own_side());
-  reference.compute_point_motion(bodies_[link.reference]);
-  const double sign = link.along ? 1.0 : -1.0;
-  const double signed_sine = sign * sine;
-  const Vec3 b = reference.A.col((axis + 1) % 3);
-  const Vec3 n = reference.A.col((axis + 2) % 3);
+/// and Sdot u vanishes.
+void Kinematics::update_turning_link(LinkIndex l, int axis) {  // (R80)
+  const LinkPlaces& at = places_[l];
+  const double speed = u_(at.first_u);
+  const auto [sine, cosine] = at.mobilizer->turn_again(q_(at.first_q), speed, *at.motion);
+  if (at.is_flexible) deform_both_sides(topology_.links[l]);
+  JointPoint& reference = *at.reference;
+  JointPoint& own = *at.own;
+  reference.compute_point_motion(*at.reference_body);
+  const int second = axis == 2 ? 0 : axis + 1;
+  const int third = axis == 0 ? 2 : axis - 1;
+  const double signed_sine = at.sign * sine;
+  const Vec3 b = reference.A.col(second);
+  const Vec3 n = reference.A.col(third);
   const Vec3 along_axis = reference.A.col(axis);
-  const Vec3 turn = sign * along_axis;
-  own.A.col((axis + 1) % 3) = cosine * b + signed_sine * n;
-  own.A.col((axis + 2) % 3) = cosine * n - signed_sine * b;
+  own.A.col(second) = cosine * b + signed_sine * n;
+  own.A.col(third) = cosine * n - signed_sine * b;
   own.A.col(axis) = along_axis;
+  const Vec3 turn = at.sign * along_axis;
   const Vec3 spin = turn * speed;  // of this body against its reference
   own.r = reference.r;
   own.v = reference.v;
   own.omega = reference.omega + spin;
-  own.compute_body_motion(bodies_[link.body]);
+  own.compute_body_motion(*at.body);
 
-  LinkBlocks& blocks = blocks_[l];
+  LinkBlocks& blocks = *at.blocks;
   const Vec3 from_own = -own.lever;
   blocks.rho = reference.lever - own.lever;
   blocks.H.col(0) << cross(turn, from_own), turn;
@@ -177,8 +186,7 @@ bool Kinematics::update_turning_link(LinkIndex l) {  // (R80)
   const Vec3 turning = cross(reference.omega, spin) + reference.bias.tail<3>() - own.bias.tail<3>();
   blocks.D.head<3>() = cross(turning, from_own) + (reference.bias.head<3>() - own.bias.head<3>());
   blocks.D.tail<3>() = turning;
-  if (is_flexible(l)) shift_modes(l, from_own, from_own);
-  return true;
+  if (at.is_flexible) shift_modes(l, from_own, from_own);
 }
 
 void Kinematics::take_joint_step(const Link& link, JointStep& step) const {
@@ -268,7 +276,7 @@ void Kinematics::compute_blocks(LinkIndex l, const JointStep& step) {
   } else {
     blocks.D -= of_joint;
   }
-  if (is_flexible(l)) shift_modes(l, from_reference, from_own);
+  if (places_[l].is_flexible) shift_modes(l, from_reference, from_own);
 }
 
 void Kinematics::shift_modes(LinkIndex l, const Vec3& from_reference, const Vec3& from_own) {

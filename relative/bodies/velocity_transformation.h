@@ -59,6 +59,11 @@ class Kinematics {
  public:
   /// The model must outlive this object. Throws InputError if the tree cannot be built.
   explicit Kinematics(const Model& model);
+  Kinematics(const Kinematics&) = delete;
+  Kinematics& operator=(const Kinematics&) = delete;
+  Kinematics(Kinematics&&) = default;
+  Kinematics& operator=(Kinematics&&) = default;
+  ~Kinematics() = default;
 
   [[nodiscard]] const Model& model() const { return *model_; }
   [[nodiscard]] const Topology& topology() const { return topology_; }
@@ -123,9 +128,22 @@ class Kinematics {
   };
 
   void update_link(LinkIndex l);
-  [[nodiscard]] bool update_turning_link(LinkIndex l);
-  /// Whether a link's body or its reference body has modes.
-  [[nodiscard]] bool is_flexible(LinkIndex l) const { return blocks_[l].Xa.cols() + blocks_[l].Ha.cols() > 0; }
+  void update_turning_link(LinkIndex l, int axis);
+  /// What the forward pass reads and writes on a link, where it stands.
+  struct LinkPlaces {
+    const Mobilizer* mobilizer;
+    JointMotion* motion;
+    JointPoint* reference;
+    JointPoint* own;
+    const BodyMotion* reference_body;
+    BodyMotion* body;
+    LinkBlocks* blocks;
+    int first_q, first_u;
+    double sign;       // 1 if the tree runs along the joint, else -1
+    bool is_flexible;  // whether either body has modes
+  };
+
+  void lay_out_places();
   void deform_both_sides(const Link& link);
   void place_child_side(const Link& link, JointStep& step);
   void place_parent_side(const Link& link, JointStep& step);
@@ -143,6 +161,7 @@ class Kinematics {
   std::vector<JointMotion> joint_motions_;
   std::vector<BodyMotion> bodies_;
   std::vector<LinkBlocks> blocks_;
+  std::vector<LinkPlaces> places_;
   std::vector<int> first_rows_;
   int n_rows_ = 0;
   VecX turns_;
