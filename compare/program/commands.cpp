@@ -140,7 +140,8 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
   one.verdict.axes = axes;
   const std::string table = format_verdict(one.model, one.verdict, command.all_rows);
   console.out << shown(console, table) << std::flush;
-  if (one.verdict.trajectories[0] || one.verdict.trajectories[1]) tell_wall_times(one.verdict, console);
+  const bool has_run = one.verdict.trajectories[0] || one.verdict.trajectories[1];
+  if (has_run && one.verdict.integrates) tell_wall_times(one.verdict, console);
   if (!command.out.empty()) write_results(command.out, one, table, console);
   note_finished(one.model.name);
   return one;

@@ -59,6 +59,21 @@ void add_axes(CLI::App& command, std::string& axes) {
                      "elements, too; default: each in the frame of its own side. Nothing is judged in them");
 }
 
+/// The option, which no option that belongs to runs goes with.
+void add_same_state(CLI::App& app, compare::VerifyOptions& options) {
+  app.add_flag_function(
+      "--same-state", [&options](std::int64_t) { options.integrates = false; },
+      "Judge without integrating, in a fraction of a second: the start, a short step from it, and states drawn near\n"
+      "these. The checks are rank, same state and audit; without options that belong to runs");
+  app.callback([&app, &options] {
+    if (options.integrates) return;
+    for (const char* of_runs : {"--until", "--rtol", "--samples", "--cartesian-integrator", "--relative-integrator",
+                                "--orders", "--out", "--report", "--reference"}) {
+      if (app.count(of_runs) > 0) throw CLI::ExcludesError("--same-state", of_runs);
+    }
+  });
+}
+
 void add_compare(compare::CommandLine& line) {
   const auto [app, command] = line.add<compare::CompareCommand>(
       "compare", "Solve each model twice and judge every joint reaction", compare_models);
@@ -85,6 +100,7 @@ void add_compare(compare::CommandLine& line) {
   app.add_option("--oracle", command.third_name,
                  "Another program as a third opinion at the same state: simbody (compare/oracle/README)")
       ->check(CLI::IsMember({"simbody"}));
+  add_same_state(app, command.options);
 }
 
 void add_run(compare::CommandLine& line) {

@@ -45,27 +45,28 @@ class ComparisonProgress {
  public:
   ComparisonProgress(const Console& console, std::string model, const VerifyOptions& options)
       : line_(console), model_(std::move(model)) {
-    for (const Check check : kChecks) {
-      if (check != Check::refined || options.refines) stages_.emplace_back(name_of(check));
-    }
-    stages_.emplace_back("audit");
+    stages_ = {name_of(Check::same_state)};
+    if (!options.integrates) return;
+    stages_.insert(stages_.end(), {name_of(Check::same_run), "audit"});
+    if (options.refines) stages_.emplace_back(name_of(Check::refined));
   }
 
   void show(std::string_view check, const std::array<double, 2>& done) {
     const Instant now = std::chrono::steady_clock::now();
+    const double least = std::min(done[0], done[1]);
     if (check != check_) {
       check_ = check;
       since_ = now;
+      at_first_ = least;
     }
     const auto place = std::find(stages_.begin(), stages_.end(), check);
     const auto at = static_cast<std::size_t>(place - stages_.begin());
     const std::string count = at < stages_.size() ? fmt::format("{} of {}, ", at + 1, stages_.size()) : "";
-    const double least = std::min(done[0], done[1]);
     const double so_far = std::chrono::duration<double>(now - since_).count();
-    const bool is_known = so_far > 2.0 && least > 0.02 && least < 1.0;
-    line_.show(fmt::format("{}: {}{}, cartesian {} %, relative {} %{}", model_, count, check, percent(done[0]),
-                           percent(done[1]),
-                           is_known ? fmt::format(", {:.0f} s left of it", so_far * (1.0 / least - 1.0)) : ""));
+    const bool is_known = so_far > 2.0 && least > at_first_ + 0.02 && least < 1.0;
+    line_.show(fmt::format(
+        "{}: {}{}, cartesian {} %, relative {} %{}", model_, count, check, percent(done[0]), percent(done[1]),
+        is_known ? fmt::format(", {:.0f} s left of it", so_far * (1.0 - least) / (least - at_first_)) : ""));
   }
 
  private:
@@ -75,6 +76,7 @@ class ComparisonProgress {
   std::vector<std::string> stages_;
   std::string check_;
   Instant since_;
+  double at_first_ = 0.0;  // done when it was first shown: a check may be made beside others before
 };
 
 }  // namespace concord::compare

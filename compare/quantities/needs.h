@@ -35,8 +35,9 @@ inline constexpr double kRigidSameRun = 7.0;
 inline constexpr double kFlexibleSameState = 10.0;
 inline constexpr double kFlexibleSameRun = 6.0;
 inline constexpr double kRefined = 8.5;
-/// The refined check is also met if the digits rise by this much when the tolerance falls 100 times.
-inline constexpr double kRefinedRise = 1.5;
+/// The refined check is also met if the digits rise by this part of those by which the tolerance was tightened: what an
+/// integration leaves falls with the tolerance, a mistake does not.
+inline constexpr double kRisePerDigit = 0.75;
 /// The energy balance of a run may err by this many times its relative tolerance.
 inline constexpr double kEnergyPerTolerance = 1e3;
 

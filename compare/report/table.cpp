@@ -244,9 +244,12 @@ std::string last_line(const Verdict& verdict) {
   std::vector<std::string> missed;
   const auto sort = [&](bool is_passed, std::string text) { (is_passed ? passed : missed).push_back(std::move(text)); };
   sort(verdict.rank_agrees, "rank");
-  for (const Check check : kChecks) sort(summary_of(verdict, check).passed, check_text(verdict, check));
+  for (const Check check : kChecks) {
+    if (check == Check::same_state || verdict.integrates)
+      sort(summary_of(verdict, check).passed, check_text(verdict, check));
+  }
   sort(verdict.audit.passed, check_text("audit", verdict.audit));
-  sort(keeps_energy(verdict), "energy");
+  if (verdict.integrates) sort(keeps_energy(verdict), "energy");
   if (!verdict.references.empty()) sort(agrees_with_reference(verdict), "reference");
   const ComponentCount count = count_components(verdict);
   std::string text = fmt::format("{} {}: {} of {} components judged", to_string(verdict.outcome), verdict.name,

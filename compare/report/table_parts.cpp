@@ -71,6 +71,27 @@ std::string third_summary_of(const ThirdReport& third) {
   return text + fmt::format(" digits with both, need {:g}\n", kThirdNeed);
 }
 
+std::string runs_and_needs(const Verdict& verdict) {
+  std::string text = fmt::format(
+      "\n  run: {:g} s, {} samples, rtol {:g}, refined {:g}, {} by {}, {} by {}\n", verdict.run.until,
+      verdict.run.samples + 1, verdict.run.rtol, verdict.refined_rtol.value_or(refined_tolerance(verdict.run.rtol)),
+      verdict.solvers[0].name, verdict.solvers[0].integrator, verdict.solvers[1].name, verdict.solvers[1].integrator);
+  text += fmt::format(
+      "  digits needed: same state {:g}, same run {:g}, refined {:g} or {:g} more than the same run, audit {:g}, of "
+      "motions {:g}{}\n",
+      verdict.need.same_state, verdict.need.same_run, verdict.need.refined, required_rise(verdict), kAudit,
+      kAuditByDifferences, changes_needs(verdict) ? "; [[need]] of the model asks otherwise" : "");
+  return text;
+}
+
+std::string states_and_needs(const Verdict& verdict) {
+  return fmt::format(
+      "\n  no run: the start, a short step from it, and states drawn near these\n"
+      "  digits needed: same state {:g}, audit {:g}, of motions {:g}{}\n",
+      verdict.need.same_state, kAudit, kAuditByDifferences,
+      changes_needs(verdict) ? "; [[need]] of the model asks otherwise" : "");
+}
+
 }  // namespace
 
 std::string table_head(const Verdict& verdict) {
@@ -90,16 +111,7 @@ std::string table_head(const Verdict& verdict) {
                     has_rank(verdict, solver) ? fmt::format("{} of rank {}", solver.rank.constraints, solver.rank.rank)
                                               : "not known");
   }
-  text += fmt::format("\n  run: {:g} s, {} samples, rtol {:g}, refined {:g}, {} by {}, {} by {}\n", verdict.run.until,
-                      verdict.run.samples + 1, verdict.run.rtol, refined_tolerance(verdict.run.rtol),
-                      verdict.solvers[0].name, verdict.solvers[0].integrator, verdict.solvers[1].name,
-                      verdict.solvers[1].integrator);
-  text += fmt::format(
-      "  digits needed: same state {:g}, same run {:g}, refined {:g} or {:g} more than the same run, audit {:g}, of "
-      "motions {:g}{}\n",
-      verdict.need.same_state, verdict.need.same_run, verdict.need.refined, kRefinedRise, kAudit, kAuditByDifferences,
-      changes_needs(verdict) ? "; [[need]] of the model asks otherwise" : "");
-  return text;
+  return text + (verdict.integrates ? runs_and_needs(verdict) : states_and_needs(verdict));
 }
 
 std::string format_third(const Model& model, const Verdict& verdict, bool all_rows) {

@@ -44,12 +44,15 @@ OrderStudy::OrderStudy(const QuantityLayout& layout) : layout_(layout) {
 }
 
 void OrderStudy::add(const RunPair& pair) {
-  // 1e-13 * 100 is not 1e-11 in the last digit.
-  constexpr double kSameTolerance = 1e-9;
+  if (pair.is_mixed) return;
+  // Nearer to each other, the error of one would be told by a run that errs nearly as much.
+  constexpr double kApart = 50.0;
   // Another integrator converges otherwise: its runs are told apart from those before.
   if (!kept_.empty() && kept_.front().integrators != pair.integrators) kept_.clear();
-  const auto is_same = [&](const Kept& one) { return std::abs(one.rtol - pair.run.rtol) <= kSameTolerance * one.rtol; };
-  if (std::any_of(kept_.begin(), kept_.end(), is_same)) return;
+  const auto is_near = [&](const Kept& one) {
+    return std::max(one.rtol, pair.run.rtol) < kApart * std::min(one.rtol, pair.run.rtol);
+  };
+  if (std::any_of(kept_.begin(), kept_.end(), is_near)) return;
   const auto is_looser = [&](const Kept& one) { return one.rtol > pair.run.rtol; };
   const auto place = std::find_if_not(kept_.begin(), kept_.end(), is_looser);
   Kept kept;

@@ -42,7 +42,7 @@ class OrderStudy {
   /// The layout must outlive it.
   explicit OrderStudy(const QuantityLayout& layout);
 
-  /// Complete runs, side by side. Of two at one tolerance the first counts.
+  /// Complete runs, side by side. Of two at tolerances that are near to each other the first counts.
   void add(const RunPair& pair);
 
   /// How many tolerances there are, and the loosest of them.

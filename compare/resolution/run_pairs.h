@@ -14,13 +14,15 @@ namespace concord::compare {
 
 /// Both solvers' runs at one tolerance, side by side.
 struct RunPair {
-  RunOptions run;
+  RunOptions run;  // of the tighter run, if one solver goes on with a looser one
   std::array<std::optional<Trajectory>, 2> trajectories;
   Series series;
   std::vector<Measured> measured;
   MotionAgreement motion;
   /// Who made the runs, by Who.
   std::array<std::string, 2> integrators = {};
+  /// Whether one solver goes on with a run at a looser tolerance.
+  bool is_mixed = false;
 
   [[nodiscard]] bool is_complete() const { return trajectories[0] && trajectories[1]; }
 };

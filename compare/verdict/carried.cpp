@@ -32,7 +32,7 @@ std::vector<const QuantityRow*> rows_that_carry(const Verdict& verdict) {
 
 /// Rows that pass one check in one way.
 struct Fewer {
-  const char* how;
+  std::string how;
   int rows = 0;
   double need = 0.0;  // the largest that they do not reach
 
@@ -45,7 +45,7 @@ struct Fewer {
 /// The ways to pass a check with fewer digits than are needed.
 struct Ways {
   Fewer round_off{"within round-off"};
-  Fewer rise{"risen by 1.5 digits"};
+  Fewer rise{""};
   Fewer lowered{"the model lowers the need"};
   int without = 0;
 
@@ -58,6 +58,7 @@ struct Ways {
     } else if (is_judged_by_resolution(row, check) && detail_of(row, check).unexplained >= need) {
       round_off.add(need);
     } else if (*digits < need) {
+      rise.how = fmt::format("risen by {:.3g} digits", row.required_rise);
       rise.add(need);
     } else if (*digits < standard && !row.need.because.empty()) {
       lowered.add(standard);

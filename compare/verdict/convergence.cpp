@@ -62,6 +62,35 @@ bool reaches_needs(const Verdict& verdict, Check check, const RunPair& pair, dou
          std::none_of(verdict.others.begin(), verdict.others.end(), misses);
 }
 
+bool reaches_refined_needs(const Verdict& verdict, const RunPair& pair) {
+  if (pair.motion.digits < verdict.need.refined) return false;
+  const auto misses = [](const QuantityRow& row) {
+    return row.unique && row.refined && detail_of(row, Check::refined).unexplained < row.need.refined;
+  };
+  return std::none_of(verdict.rows.begin(), verdict.rows.end(), misses) &&
+         std::none_of(verdict.others.begin(), verdict.others.end(), misses);
+}
+
+std::array<bool, 2> have_converged(const QuantityLayout& layout, const RunPair& looser, const RunPair& tighter,
+                                   const Verdict& verdict) {
+  constexpr double kSpare = 1.0;  // digits
+  const std::array<double, 2> of_motions = own_motion_digits(layout.model(), looser, tighter);
+  std::array<bool, 2> converged{};
+  for (std::size_t who = 0; who < 2; ++who) converged[who] = of_motions[who] >= verdict.need.refined + kSpare;
+  for (const auto* rows : {&verdict.rows, &verdict.others}) {
+    for (const QuantityRow& row : *rows) {
+      if (!row.unique || !row.refined) continue;
+      const int place = layout.row_of(row.quantity);
+      const std::array<double, 2> own = own_changes(looser, tighter, place);
+      const double scale = tighter.measured[static_cast<std::size_t>(place)].scale;
+      for (std::size_t who = 0; who < 2; ++who) {
+        converged[who] = converged[who] && matching_digits(own[who], scale) >= row.need.refined + kSpare;
+      }
+    }
+  }
+  return converged;
+}
+
 std::optional<std::string> find_unconverged(const QuantityLayout& layout, const RunPair& looser, const RunPair& tighter,
                                             Check check, double motion_need, std::optional<std::size_t> standing,
                                             Verdict& verdict) {

@@ -2,7 +2,9 @@
 
 #include <array>
 #include <functional>
+#include <map>
 #include <mutex>
+#include <string>
 #include <string_view>
 
 #include "compare/quantities/align.h"
@@ -12,28 +14,42 @@ namespace concord::compare {
 /// What a verification is doing: the check, and the part of it that each solver has done, 0 to 1.
 using TellProgress = std::function<void(std::string_view check, const std::array<double, 2>& done)>;
 
-/// Tells it from several threads, never at the same time.
+/// Tells it from several threads, never at the same time: of checks that are made beside the one that is waited for,
+/// how far they are is told when these are waited for.
 class CheckProgress {
  public:
   /// `tell`: may be empty; must outlive this.
   explicit CheckProgress(const TellProgress& tell) : tell_(tell) {}
 
+  /// From now on this check is waited for; it begins anew.
   void begin(std::string_view check) {
-    done_ = {};
-    if (tell_) tell_(check, done_);
+    const std::lock_guard lock(guard_);
+    done_[std::string(check)] = {};
+    tell_now(check);
+  }
+
+  /// From now on this check is waited for, of which a part may be done.
+  void wait_for(std::string_view check) {
+    const std::lock_guard lock(guard_);
+    tell_now(check);
   }
 
   void advance(std::string_view check, Who who, double done) {
-    if (!tell_) return;
     const std::lock_guard lock(guard_);
-    done_[index(who)] = done;
-    tell_(check, done_);
+    done_[std::string(check)][index(who)] = done;
+    if (check == current_) tell_now(check);
   }
 
  private:
+  void tell_now(std::string_view check) {
+    current_ = check;
+    if (tell_) tell_(check, done_[current_]);
+  }
+
   const TellProgress& tell_;
   std::mutex guard_;
-  std::array<double, 2> done_{};
+  std::string current_;
+  std::map<std::string, std::array<double, 2>> done_;
 };
 
 }  // namespace concord::compare

@@ -9,7 +9,24 @@
 
 namespace concord::compare {
 
-double refined_tolerance(double rtol) { return std::min(rtol, std::max(rtol / kTighter, kTightestTolerance)); }
+double refined_tolerance(double rtol, double times) {
+  return std::min(rtol, std::max(rtol / times, kTightestTolerance));
+}
+
+double required_rise(double rtol, double refined) {
+  return kRisePerDigit * std::log10(std::clamp(rtol / refined, kTighterAtFirst, kTighter));
+}
+
+double required_rise(const Verdict& verdict) {
+  return required_rise(verdict.run.rtol, verdict.refined_rtol.value_or(refined_tolerance(verdict.run.rtol)));
+}
+
+void set_refined_tolerance(Verdict& verdict, double refined) {
+  verdict.refined_rtol = refined;
+  for (auto* rows : {&verdict.rows, &verdict.others}) {
+    for (QuantityRow& row : *rows) row.required_rise = required_rise(verdict);
+  }
+}
 
 namespace {
 
@@ -57,7 +74,7 @@ bool meets_need(const QuantityRow& row, Check check) {
   const std::optional<double> digits = digits_of(row, check);
   if (!digits || is_beyond_round_off(row, check)) return false;
   if (detail_of(row, check).unexplained >= need_of(row, check)) return true;
-  return check == Check::refined && row.same_run && *digits >= *row.same_run + kRefinedRise;
+  return check == Check::refined && row.same_run && *digits >= *row.same_run + row.required_rise;
 }
 
 double margin(const QuantityRow& row, Check check) {
@@ -67,11 +84,23 @@ double margin(const QuantityRow& row, Check check) {
   if (is_beyond_round_off(row, check))
     return std::min(above, std::log10(kBeyondRoundOff / detail_of(row, check).ratio));
   const bool may_rise = check == Check::refined && row.same_run.has_value();
-  return may_rise ? std::max(above, *digits - (*row.same_run + kRefinedRise)) : above;
+  return may_rise ? std::max(above, *digits - (*row.same_run + row.required_rise)) : above;
 }
 
 const CheckDetail& detail_of(const QuantityRow& row, Check check) {
   return row.detail[static_cast<std::size_t>(check)];
+}
+
+double tightening_asked(const Verdict& verdict) {
+  double missing = verdict.motion ? verdict.need.refined - verdict.motion->digits : 0.0;
+  for (const auto* rows : {&verdict.rows, &verdict.others}) {
+    for (const QuantityRow& row : *rows) {
+      if (!row.unique || !row.same_run) continue;
+      missing = std::max(missing, row.need.refined - detail_of(row, Check::same_run).unexplained);
+    }
+  }
+  if (missing <= std::log10(kTighterAtFirst)) return kTighterAtFirst;
+  return std::min(std::pow(10.0, missing / kRisePerDigit), kTighter);
 }
 
 bool is_judged_by_resolution(const QuantityRow& row, Check check) {

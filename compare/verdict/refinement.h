@@ -9,11 +9,28 @@
 /// From measured digits to judgements, check by check.
 namespace concord::compare {
 
-/// Tolerances are divided by this on the refined check, but not below kTightestTolerance.
+/// Tolerances are divided by this where runs miss their needs, and at most on the refined check.
 inline constexpr double kTighter = 100.0;
+/// And by this at first on the refined check: enough to see an integration error fall, little enough to stay away from
+/// round-off.
+inline constexpr double kTighterAtFirst = 10.0;
 
-/// Relative tolerance of the refined run.
-double refined_tolerance(double rtol);
+/// Relative tolerance of the refined run, so many times tighter, but not below kTightestTolerance.
+double refined_tolerance(double rtol, double times = kTighterAtFirst);
+
+/// How many times tighter than the same run the refined check has to be, from the digits that the same run reached:
+/// kTighterAtFirst, if digits that rise as the tolerance falls lead every row, and the motions, to their need on the
+/// refined check; else as many that the rise which is required then leads them there, at most kTighter.
+double tightening_asked(const Verdict& verdict);
+
+/// Digits by which a row has to rise from the same run to a refined one of relative tolerance `refined`, if it does not
+/// reach its need: kRisePerDigit of the digits between their tolerances, which count from kTighterAtFirst to kTighter.
+double required_rise(double rtol, double refined);
+/// The same for the refined runs of a verdict, or those that it would make.
+double required_rise(const Verdict& verdict);
+
+/// What the rows have to rise by if the refined runs have this relative tolerance.
+void set_refined_tolerance(Verdict& verdict, double refined);
 
 std::optional<double> digits_of(const QuantityRow& row, Check check);
 double need_of(const QuantityRow& row, Check check);
@@ -30,7 +47,7 @@ bool is_judged_by_resolution(const QuantityRow& row);
 bool is_beyond_round_off(const QuantityRow& row, Check check);
 
 /// Whether what a row differs by beyond round-off stays within its need on a check, and is not beyond all round-off;
-/// refined: its need, or kRefinedRise above its same run. False if the check did not run or did not judge the row.
+/// refined: its need, or the required rise above its same run. False if the check did not run or did not judge the row.
 bool meets_need(const QuantityRow& row, Check check);
 
 /// How many digits a row stands above its need on a check; negative where meets_need() is false, however small the

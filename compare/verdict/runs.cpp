@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <future>
 #include <string>
 #include <utility>
 
@@ -13,7 +12,6 @@
 #include "compare/quantities/motions.h"
 #include "compare/quantities/needs.h"
 #include "compare/resolution/jumps.h"
-#include "compare/states/stiff_choice.h"
 #include "compare/verdict/refinement.h"
 
 namespace concord::compare {
@@ -59,49 +57,10 @@ RunChecks::RunChecks(const QuantityLayout& layout, const std::array<Solver*, 2>&
       sensitivity_(layout.model(), solvers, seed),
       orders_(layout) {}
 
-RunPair RunChecks::integrate(const RunOptions& run, Check check) {
-  return run_both(run, name_of(check), verdict_.failures, may_switch_);
-}
-
-const std::string& RunChecks::integrator_of(Who who) const {
-  const std::string& later = goes_on_by_[index(who)];
-  return later.empty() ? verdict_.solvers[index(who)].integrator : later;
-}
-
-RunPair RunChecks::run_both(const RunOptions& run, const char* what, std::vector<std::string>& failures,
-                            const std::array<bool, 2>& may_switch) {
-  progress_.begin(what);
-  std::array<std::future<Trajectory>, 2> running;
-  std::array<MadeBy, 2> made_by;
-  for (const Who who : kBothSolvers) {
-    running[index(who)] = std::async(std::launch::async, [this, run, what, who, &made_by, &may_switch] {
-      RunOptions own = run;
-      own.integrator = integrator_of(who);
-      const auto tell = [&](double t) { progress_.advance(what, who, t / own.until); };
-      return integrate_or_switch(*solvers_[index(who)], own, may_switch[index(who)], tell, made_by[index(who)]);
-    });
-  }
-  RunPair pair{run, {}, {}, {}, {}};
-  for (const Who who : kBothSolvers) {
-    try {
-      pair.trajectories[index(who)] = running[index(who)].get();
-    } catch (const SolverError& error) {
-      failures.push_back(fmt::format("{}: {}", what, error.what()));
-    }
-  }
-  for (const Who who : kBothSolvers) {
-    pair.integrators[index(who)] = made_by[index(who)].integrator;
-    may_switch_[index(who)] = false;  // runs by two integrators tell less of convergence than two by one
-    if (made_by[index(who)].note.empty()) continue;
-    goes_on_by_[index(who)] = made_by[index(who)].integrator;
-    verdict_.notes.push_back(fmt::format("{}: {}", what, made_by[index(who)].note));
-  }
-  return pair;
-}
-
 /// False if one of the runs is missing.
 bool RunChecks::set_side_by_side(RunPair& pair, Check check) {
   if (!pair.is_complete()) return false;
+  if (check == Check::refined) set_refined_tolerance(verdict_, pair.run.rtol);
   pair.series = align(layout_, view(pair.trajectories), pair.run.samples + 1);
   measure_pair(pair, weighed_run_, check);
   orders_.add(pair);
@@ -122,7 +81,9 @@ void RunChecks::widen_pair(RunPair& pair, WeighedRun weighed, Check check) {
   const auto jumps = widen_at_jumps(layout_, solvers_, pair.series, pair.measured, sample_of, need, weighed.resolution);
   if (jumps.empty()) return;
   pair.measured = judge_.measure_check(pair.series, weighed.budget(), check);
-  verdict_.notes.push_back(note_on_jumps(jumps, check));
+  std::string note = note_on_jumps(jumps, check);
+  const auto& notes = verdict_.notes;  // runs at several tolerances meet the same jumps
+  if (std::find(notes.begin(), notes.end(), note) == notes.end()) verdict_.notes.push_back(std::move(note));
 }
 
 /// The horizon up to which runs that miss their needs can be compared, if both solvers see one and agree on it.
@@ -169,13 +130,13 @@ RunPair RunChecks::aligned(RunPair pair) {
 /// While runs miss the needs although the same state agrees, both solvers run again at a tighter tolerance: the needs
 /// stay. Ends where a solver does not finish, which `stopped_` tells. `looser`: the runs before the last ones, if there
 /// were any. False if a solver did not finish the first ones.
-bool RunChecks::repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Check check, double motion_need) {
+bool RunChecks::repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Check check) {
   stopped_.clear();
-  if (!set_side_by_side(pair, check)) return false;
   const double first = pair.run.rtol;
   const long most_evaluations = most_evaluations_beside(pair);
-  while (!reaches_needs(verdict_, check, pair, motion_need) && verdict_.findings.empty() &&
+  while (!reaches_needs(verdict_, check, pair, motion_need(check)) && verdict_.findings.empty() &&
          0.5 * pair.run.rtol > kTightestRepeat) {
+    ahead_.reset();
     RunOptions tight = pair.run;
     tight.rtol = std::max(pair.run.rtol / kTighter, kTightestRepeat);
     tight.most_evaluations = most_evaluations;
@@ -196,27 +157,27 @@ bool RunChecks::repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Ch
 /// Judges runs on a check, or their repetition at tighter tolerances. What is left at the tightest is a difference, or
 /// an integration that does not converge. `before`: the runs of before, to see what tolerance changes. The number of
 /// samples that were judged; nothing if a solver did not finish.
-std::optional<int> RunChecks::judge_runs(RunPair& pair, const RunPair* before, Check check, double motion_need,
+std::optional<int> RunChecks::judge_runs(RunPair& pair, const RunPair* before, Check check,
                                          const WeighedStates& weighed) {
   std::optional<RunPair> looser;
-  if (!repeat_tighter(pair, looser, check, motion_need)) return std::nullopt;
+  if (!repeat_tighter(pair, looser, check)) return std::nullopt;
   const int samples = pair.run.samples + 1;
-  if (reaches_needs(verdict_, check, pair, motion_need)) return samples;
+  if (reaches_needs(verdict_, check, pair, motion_need(check))) return samples;
   const RunPair* compared = looser ? &*looser : before;
   const std::optional<Horizon> horizon = seek_horizon(pair, check);
-  if (!horizon) return judge_misses(pair, compared, check, motion_need) ? std::optional(samples) : std::nullopt;
+  if (!horizon) return judge_misses(pair, compared, check) ? std::optional(samples) : std::nullopt;
   RunPair up_to = first_samples(layout_, pair, horizon->samples);
   measure_pair(up_to, weigh_run(weighed, horizon->samples), check);
   pair.motion = up_to.motion;
   summary_of_runs(verdict_, check).horizon = up_to.series.times.back();
-  if (!reaches_needs(verdict_, check, up_to, motion_need) && !judge_misses(up_to, compared, check, motion_need))
+  if (!reaches_needs(verdict_, check, up_to, motion_need(check)) && !judge_misses(up_to, compared, check))
     return std::nullopt;
   return horizon->samples;
 }
 
 /// Judges runs that miss their needs at the tightest tolerance: as a difference, or as integrations that have not
 /// converged, which `compared`, runs at a looser tolerance, tell apart. False if a solver did not finish those.
-bool RunChecks::judge_misses(const RunPair& pair, const RunPair* compared, Check check, double motion_need) {
+bool RunChecks::judge_misses(const RunPair& pair, const RunPair* compared, Check check) {
   std::optional<RunPair> looser;
   std::optional<std::size_t> standing;
   if (verdict_.findings.empty()) {
@@ -239,7 +200,7 @@ bool RunChecks::judge_misses(const RunPair& pair, const RunPair* compared, Check
       looser = first_samples(layout_, *compared, samples);
       compared = &*looser;
     }
-    if (auto why = find_unconverged(layout_, *compared, pair, check, motion_need, standing, verdict_)) {
+    if (auto why = find_unconverged(layout_, *compared, pair, check, motion_need(check), standing, verdict_)) {
       if (standing) {
         *why += advice_on_standing(pair, *standing);
         stands_[*standing] = true;
@@ -255,7 +216,7 @@ bool RunChecks::judge_misses(const RunPair& pair, const RunPair* compared, Check
     return false;
   }
   judge_.find_differences_on(pair.series, pair.measured, check);
-  judge_motion(pair.motion, check, motion_need);
+  judge_motion(pair.motion, check, motion_need(check));
   return true;
 }
 
@@ -270,7 +231,8 @@ void RunChecks::judge_motion(const MotionAgreement& motion, Check check, double 
 
 void RunChecks::judge_same_run(RunPair& pair, const WeighedStates& weighed) {
   if (pair.is_complete()) weighed_run_ = weigh_run(weighed, pair.run.samples + 1);
-  const std::optional<int> judged = judge_runs(pair, nullptr, Check::same_run, verdict_.need.same_run, weighed);
+  std::optional<int> judged;
+  if (set_side_by_side(pair, Check::same_run)) judged = judge_runs(pair, nullptr, Check::same_run, weighed);
   for (const Who who : kBothSolvers) {
     const auto& trajectory = pair.trajectories[index(who)];
     if (!trajectory) continue;
@@ -284,13 +246,24 @@ void RunChecks::judge_same_run(RunPair& pair, const WeighedStates& weighed) {
   tell_if_unresolved();
 }
 
+/// Digits that the motions need.
+double RunChecks::motion_need(Check check) const {
+  if (check == Check::same_run) return verdict_.need.same_run;
+  return std::min(verdict_.need.refined, verdict_.motion->digits + required_rise(verdict_));
+}
+
 void RunChecks::refine(const RunPair& of_same_run, const WeighedStates& weighed) {
-  if (!verdict_.same_run.samples) return;
+  if (!verdict_.same_run.samples) {
+    ahead_.reset();
+    return;
+  }
   RunOptions refined = of_same_run.run;
   refined.rtol = refined_tolerance(refined.rtol);
-  RunPair pair = integrate(refined, Check::refined);
-  const double motion_need = std::min(verdict_.need.refined, verdict_.motion->digits + kRefinedRise);
-  const std::optional<int> judged = judge_runs(pair, &of_same_run, Check::refined, motion_need, weighed);
+  RunPair pair = refined_at_first(refined);
+  if (!set_side_by_side(pair, Check::refined)) return;
+  tighten_as_asked(of_same_run, pair);
+  if (!pair.is_complete()) return;
+  const std::optional<int> judged = judge_runs(pair, &of_same_run, Check::refined, weighed);
   if (!judged) return;
   verdict_.refined_motion = pair.motion;
   verdict_.refined.samples = *judged;

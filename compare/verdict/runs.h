@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,9 +11,12 @@
 #include "compare/resolution/horizon.h"
 #include "compare/resolution/orders.h"
 #include "compare/resolution/weighed_states.h"
+#include "compare/states/stiff_choice.h"
 #include "compare/verdict/convergence.h"
 #include "compare/verdict/judge.h"
 #include "compare/verdict/progress.h"
+#include "compare/verdict/runs_ahead.h"
+#include "compare/verdict/turns.h"
 
 /// The checks "same run" and "refined": each solver integrates alone.
 namespace concord::compare {
@@ -30,6 +34,9 @@ class RunChecks {
   /// Who does not finish is a failure. Nothing is judged. A solver whose first integrator takes too long in its first
   /// run, and that may switch, goes on by its second from then on; a note says so.
   RunPair integrate(const RunOptions& run, Check check);
+  /// The runs of the same run. With `makers`, which must outlive this, those that the refined check needs at first are
+  /// begun beside them, by solvers made anew; null: refine() makes them.
+  RunPair integrate_beside_refined(const RunOptions& run, const SolverMakers* makers);
   /// Whose integrator was not asked for, by Who.
   void allow_switching(const std::array<bool, 2>& may_switch) { may_switch_ = may_switch; }
 
@@ -37,7 +44,7 @@ class RunChecks {
   /// `pair`.
   void judge_same_run(RunPair& pair, const WeighedStates& weighed);
 
-  /// Runs again at the refined tolerance and judges, if the same run was judged: call it after judge_same_run().
+  /// Judges runs at the refined tolerance, if the same run was judged: call it after judge_same_run().
   void refine(const RunPair& of_same_run, const WeighedStates& weighed);
 
   /// Tells how each solver's runs converge with the tolerance, if there are enough of them; `further`: runs at looser
@@ -55,20 +62,31 @@ class RunChecks {
   std::optional<RunPair> try_looser(const RunOptions& run, const char* what);
 
  private:
+  /// Runs that are being made, by Who; of a solver that does not run there is none.
+  struct Running {
+    RunOptions run;
+    std::array<MadeBy, 2> made_by;
+    std::array<std::future<Trajectory>, 2> trajectories;
+  };
+  void start(Running& running, const char* what, const std::array<bool, 2>& may_switch,
+             const std::array<bool, 2>& rests = {});
+  RunPair finish(Running& running, const char* what, std::vector<std::string>& failures);
   RunPair run_both(const RunOptions& run, const char* what, std::vector<std::string>& failures,
                    const std::array<bool, 2>& may_switch);
+  RunPair refined_at_first(const RunOptions& refined);
+  void tighten_as_asked(const RunPair& of_same_run, RunPair& pair);
+  [[nodiscard]] double motion_need(Check check) const;
   [[nodiscard]] const std::string& integrator_of(Who who) const;
   bool set_side_by_side(RunPair& pair, Check check);
   void measure_pair(RunPair& pair, const WeighedRun& weighed, Check check);
   void widen_pair(RunPair& pair, WeighedRun weighed, Check check);
-  std::optional<int> judge_runs(RunPair& pair, const RunPair* before, Check check, double motion_need,
-                                const WeighedStates& weighed);
-  bool repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Check check, double motion_need);
+  std::optional<int> judge_runs(RunPair& pair, const RunPair* before, Check check, const WeighedStates& weighed);
+  bool repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Check check);
   std::optional<Horizon> seek_horizon(const RunPair& pair, Check check);
   std::optional<RunPair> run_looser(const RunOptions& run, Check check);
   RunPair aligned(RunPair pair);
   void tell_if_unresolved();
-  bool judge_misses(const RunPair& pair, const RunPair* compared, Check check, double motion_need);
+  bool judge_misses(const RunPair& pair, const RunPair* compared, Check check);
   void judge_motion(const MotionAgreement& motion, Check check, double need);
 
   const QuantityLayout& layout_;
@@ -83,6 +101,8 @@ class RunChecks {
   std::array<bool, 2> stands_{};
   std::vector<std::string> stopped_;  // why runs at a tighter tolerance did not finish
   OrderStudy orders_;
+  Turns turns_{count_processors()};
+  std::unique_ptr<RunsAhead> ahead_;  // of the refined check
 };
 
 }  // namespace concord::compare

@@ -69,6 +69,8 @@ struct QuantityRow {
   std::optional<double> refined;
   std::array<double, 3> worst_t{};  // time of the largest difference at the same state, in the same run, refined [s]
   Needs need;
+  /// By how many digits the refined check has to exceed the same run where it does not reach its need.
+  double required_rise = 2.0 * kRisePerDigit;
   Judgement judgement = Judgement::not_judged;
 };
 
@@ -135,7 +137,9 @@ struct Verdict {
   int loops = 0;
   int modes = 0;
   RunOptions run;
-  std::uint64_t seed = kSeed;  // of the random states
+  bool integrates = true;  // without runs the states at the start, near it and a short step later are judged
+  std::optional<double> refined_rtol;  // relative tolerance of the runs that the refined check judged
+  std::uint64_t seed = kSeed;          // of the random states
   Needs need;
   std::array<SolverSummary, 2> solvers;
   double energy_allowed = 0.0;  // of their energy_error, by the tolerance that was asked for: a repeat may be tighter

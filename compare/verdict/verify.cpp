@@ -14,6 +14,7 @@
 #include "compare/audit/digits.h"
 #include "compare/audit/energy.h"
 #include "compare/audit/geometric_stiffness.h"
+#include "compare/states/start_states.h"
 #include "compare/states/states.h"
 #include "compare/verdict/assemble_both.h"
 #include "compare/verdict/blame.h"
@@ -53,6 +54,11 @@ int run_rows(int samples, int states) {
   return samples * std::max(1, parts);
 }
 
+std::vector<Check> checks_of(const VerifyOptions& options) {
+  if (!options.integrates) return {Check::same_state};
+  return {kChecks.begin(), kChecks.end()};
+}
+
 /// The same for each solver: what is found out about a model's beams is found out once.
 std::array<Auditor, 2> two_of(const Auditor& auditor) { return {auditor, auditor}; }
 
@@ -65,7 +71,7 @@ class Verification {
         solvers_{&cartesian, &relative},
         options_(options),
         progress_(options.progress),
-        judge_(layout_, {kChecks.begin(), kChecks.end()}, verdict_),
+        judge_(layout_, checks_of(options), verdict_),
         same_state_(layout_, solvers_, options.seed, judge_, verdict_),
         runs_(layout_, solvers_, options.seed, judge_, progress_, verdict_),
         auditors_(two_of(Auditor(model))),
@@ -81,7 +87,9 @@ class Verification {
         attribute_stop();
         return std::move(verdict_);
       }
-      verify_checks();
+      check_rank();
+      make_rows(layout_, verdict_);
+      options_.integrates ? verify_runs() : verify_states();
     } catch (const IncompleteResult& error) {
       verdict_.failures.emplace_back(error.what());
     } catch (const SolverError& error) {
@@ -93,12 +101,16 @@ class Verification {
   }
 
  private:
-  void verify_checks() {
-    check_rank();
-    make_rows(layout_, verdict_);
-    RunPair pair = runs_.integrate(verdict_.run, Check::same_run);
-    ask_in_same_states(view(pair.trajectories));
+  void verify_runs() {
+    RunPair pair = runs_.integrate_beside_refined(verdict_.run, options_.refines ? options_.makers : nullptr);
+    progress_.begin("same state");
+    std::vector<OwnedState> states = run_states(view(pair.trajectories), trajectory_states());
+    if (states.empty()) {
+      for (const Who who : kBothSolvers) states.push_back({starts_[index(who)], who, 0});
+    }
+    ask_in_same_states(states, trajectory_states());
     runs_.judge_same_run(pair, same_state_.weighed());
+    hand_to_audit(view(pair.trajectories));
     if (options_.refines) runs_.refine(pair, same_state_.weighed());
     audit(pair);
     note_geometric_stiffness(view(pair.trajectories));
@@ -108,9 +120,26 @@ class Verification {
     if (options_.orders || explains) runs_.study_orders(options_.orders);
   }
 
+  void verify_states() {
+    progress_.begin("same state");
+    const double longest = verdict_.run.until / asked_samples_;
+    const std::vector<OwnedState> states = states_from_starts(model_, solvers_, starts_, longest);
+    ask_in_same_states(states, static_cast<int>(states.size()));
+    verdict_.run.samples = static_cast<int>(states.size()) / 2 - 1;
+    for (const Who who : kBothSolvers) {
+      verdict_.trajectories[index(who)] = samples_of(who, *solvers_[index(who)], states);
+      judge_audit_of(who, &*verdict_.trajectories[index(who)]);
+    }
+    if (!same_state_.weighed().states.empty()) {
+      verdict_.unique = weigh_run(same_state_.weighed(), verdict_.run.samples + 1).mask;
+    }
+    attribute();
+  }
+
   void describe_case() {
     judge_.describe(solvers_);
     verdict_.run = run_options(model_, options_);
+    verdict_.integrates = options_.integrates;
     verdict_.seed = options_.seed;
     asked_samples_ = verdict_.run.samples;
     verdict_.energy_allowed = kEnergyPerTolerance * verdict_.run.rtol;
@@ -144,18 +173,13 @@ class Verification {
     return options_.states ? std::max(1, *options_.states / 4) : kRandomStates;
   }
 
-  /// States of both runs in turn, and perturbed ones.
-  void ask_in_same_states(const std::array<const Trajectory*, 2>& trajectories) {
-    progress_.begin("same state");
-    std::vector<OwnedState> run = run_states(trajectories, trajectory_states());
-    if (run.empty()) {
-      for (const Who who : kBothSolvers) run.push_back({starts_[index(who)], who, 0});
-    }
+  /// States that the solvers found, `needed` of them, and perturbed ones.
+  void ask_in_same_states(const std::vector<OwnedState>& run, int needed) {
     SharedStates shared = share(solvers_, run);
     SharedStates random = share_random(model_, solvers_, run, options_.seed, random_states());
     // Beside a pose that is singular because of its drivers nothing may close: that is no reason of its own.
     if (!shared.singular.empty() && random.states.empty()) random.failures.clear();
-    check_enough(shared, random);
+    check_enough(shared, random, needed);
     verdict_.drawn_anew = random.drawn_anew;
     if (random.left_open > 0) {
       verdict_.notes.push_back(fmt::format("{} of {} perturbed states were left out: neither solver closes there",
@@ -180,7 +204,7 @@ class Verification {
     judge_third(model_, verdict_);
   }
 
-  void check_enough(const SharedStates& shared, const SharedStates& random) {
+  void check_enough(const SharedStates& shared, const SharedStates& random, int needed_of_run) {
     if (!shared.refusals.empty() || !random.refusals.empty()) return;  // a difference already
     // A run that stopped, or singular poses, are the reason why there are fewer.
     if (!verdict_.failures.empty() || !shared.singular.empty() || !random.singular.empty()) return;
@@ -188,27 +212,37 @@ class Verification {
       if (found >= static_cast<std::size_t>(needed)) return;
       verdict_.failures.push_back(fmt::format("same state: {} {} states, need {}", found, what, needed));
     };
-    require(shared.states.size(), trajectory_states(), "trajectory");
+    require(shared.states.size(), needed_of_run, options_.integrates ? "trajectory" : "start");
     require(random.states.size() + static_cast<std::size_t>(random.left_open), random_states(), "random");
   }
 
   /// The third opinion on each solver alone: every sample of its own run and every state that was handed to it.
-  void audit(const RunPair& pair) {
+  void hand_to_audit(const std::array<const Trajectory*, 2>& trajectories) {
     progress_.begin("audit");
-    const std::array<const Trajectory*, 2> trajectories = view(pair.trajectories);
     for (const Who who : kBothSolvers) {
-      if (const Trajectory* trajectory = trajectories[index(who)]) {
-        for (const Sample& sample : trajectory->samples) {
-          auditors_[index(who)].add(sample.state, sample.evaluation, redraws_[index(who)]);
-        }
-        judge_energy(who, audit_energy(model_, *trajectory), pair);
-      }
-      judge_.judge_audit(who, auditors_[index(who)].report());
-      if (const Trajectory* trajectory = trajectories[index(who)]) {
-        judge_.judge_start(who, audit_kept_start(model_, *trajectory));
-        judge_.judge_reported(who, audit_reported_coordinates(model_, *trajectory));
+      const Trajectory* trajectory = trajectories[index(who)];
+      if (trajectory == nullptr) continue;
+      for (const Sample& sample : trajectory->samples) {
+        auditors_[index(who)].add(sample.state, sample.evaluation, redraws_[index(who)]);
       }
     }
+  }
+
+  void audit(const RunPair& pair) {
+    const std::array<const Trajectory*, 2> trajectories = view(pair.trajectories);
+    for (const Who who : kBothSolvers) {
+      const Trajectory* run = trajectories[index(who)];
+      if (run != nullptr) judge_energy(who, audit_energy(model_, *run), pair);
+      judge_audit_of(who, run);
+    }
+  }
+
+  /// `trajectory`: the solver's own samples; null: none.
+  void judge_audit_of(Who who, const Trajectory* trajectory) {
+    judge_.judge_audit(who, auditors_[index(who)].report());
+    if (trajectory == nullptr || trajectory->samples.empty()) return;
+    judge_.judge_start(who, audit_kept_start(model_, *trajectory));
+    judge_.judge_reported(who, audit_reported_coordinates(model_, *trajectory));
   }
 
   /// Whether an integrator that holds its steps no tighter leaves an error of energy: its run is the same at a looser

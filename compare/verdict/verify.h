@@ -28,12 +28,16 @@ struct VerifyOptions {
   std::optional<int> states;
   /// Seed of the random states, and of the draws within round-off.
   std::uint64_t seed = kSeed;
+  /// Whether runs are made. Without them the checks are rank, same state and audit: of the starts, of what both solvers
+  /// come to a short step later, and of perturbed states.
+  bool integrates = true;
   /// Whether the refined check is taken: both runs again at a tighter tolerance, half of a verdict's cost or more.
   bool refines = true;
   /// Whether a difference is told apart: who is to blame, and whether motions or equations differ.
   bool explains = true;
-  /// Makes solvers for the model with corrections, by which a guess at who is to blame is tried; null: none is tried.
-  /// Must outlive the verification.
+  /// Makes solvers for the model: with corrections, by which a guess at who is to blame is tried, and such by which the
+  /// refined runs are made beside the others; null: none is tried, and the solvers make one run after the other. Must
+  /// outlive the verification.
   const SolverMakers* makers = nullptr;
   /// Whether runs at looser tolerances are made to tell how each solver converges.
   bool orders = false;

@@ -1,5 +1,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sched.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -298,6 +299,41 @@ TEST_CASE("Everything but wall times is the same from run to run", "[program]") 
     ++files;
   }
   CHECK(files >= 7);
+}
+
+TEST_CASE("The table is the same on one processor as on all", "[program]") {
+  const Desk desk;
+  const std::string arguments = "compare --all " + model("slider_crank_rigid_free") + " --until 0.1";
+  const Told on_all = desk.run(arguments);
+  CHECK(on_all.code == 0);
+  cpu_set_t all;
+  REQUIRE(sched_getaffinity(0, sizeof all, &all) == 0);
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  for (int k = 0; CPU_COUNT(&one) == 0; ++k) {
+    if (CPU_ISSET(k, &all)) CPU_SET(k, &one);
+  }
+  REQUIRE(sched_setaffinity(0, sizeof one, &one) == 0);
+  const Told on_one = desk.run(arguments);
+  REQUIRE(sched_setaffinity(0, sizeof all, &all) == 0);
+  CHECK(on_one.out == on_all.out);
+}
+
+TEST_CASE("Without runs states are judged, the last line says so, and options of runs are refused", "[program]") {
+  const Desk desk;
+  const std::string judged = "; passed: rank, same state [0-9.]+, audit [0-9.]+\n$";
+  const Told told = desk.run("compare --same-state " + model("slider_crank_flexible"));
+  CHECK(told.code == 0);
+  CHECK(contains(told.out, "\n  no run: the start, a short step from it, and states drawn near these\n"));
+  CHECK(contains(told.out, "\nstates handed to both: 54, of which 50 perturbed"));
+  CHECK(std::regex_search(told.out, std::regex("\nagree slider_crank_flexible: 36 of 36 components judged" + judged)));
+  CHECK(told.err.empty());
+  for (const std::string option : {"--until 1", "--rtol 1e-9", "--orders", "--out results"}) {
+    INFO(option);
+    const Told refused = desk.run("compare --same-state " + option + " " + model("slider_crank_rigid"));
+    CHECK(refused.code == 2);
+    CHECK(contains(refused.err, "--same-state excludes " + option.substr(0, option.find(' '))));
+  }
 }
 
 TEST_CASE("Results hold the rows that were asked for", "[program]") {

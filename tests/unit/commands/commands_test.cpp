@@ -129,6 +129,17 @@ TEST_F(CommandsTest, TwoModelsOfOneNameAreBadInput) {
   EXPECT_THAT(err_.str(), HasSubstr("a model called 'one' was compared already"));
 }
 
+TEST_F(CommandsTest, WithoutRunsTheLastLineSaysWhichChecksWereMade) {
+  CompareCommand command;
+  command.models = {file("stuck.toml")};
+  command.options.integrates = false;
+  makers_.relative = [](const Model& model) { return make(model, "relative", true); };
+  EXPECT_EQ(compare(command), kAgree) << out_.str();
+  EXPECT_THAT(out_.str(), ::testing::ContainsRegex("\nagree stuck: 10 of 10 components judged; passed: rank, same "
+                                                   "state [0-9.]+, audit [0-9.]+\n$"));
+  EXPECT_THAT(err_.str(), ::testing::Not(HasSubstr("wall time")));
+}
+
 TEST_F(CommandsTest, ProgressIsShownOnlyWhenAskedForAndWipedAtTheEnd) {
   CompareCommand command;
   command.models = {file("pendulum.toml")};

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/unit/fake_pendulum.h"
 
 namespace concord::compare {
@@ -50,10 +52,47 @@ TEST_F(RefinementTest, AllChecksMustBePassed) {
   EXPECT_EQ(verdict_.judged, 10);
 }
 
-TEST_F(RefinementTest, TolerancesFallAHundredTimesUntilRoundOff) {
-  EXPECT_DOUBLE_EQ(refined_tolerance(1e-9), 1e-11);
-  EXPECT_DOUBLE_EQ(refined_tolerance(1e-13), 1e-14);
+TEST_F(RefinementTest, TolerancesFallUntilRoundOff) {
+  EXPECT_DOUBLE_EQ(refined_tolerance(1e-9), 1e-10);
+  EXPECT_DOUBLE_EQ(refined_tolerance(1e-9, 50.0), 2e-11);
+  EXPECT_DOUBLE_EQ(refined_tolerance(1e-13, 100.0), 1e-14);
   EXPECT_DOUBLE_EQ(refined_tolerance(3e-15), 3e-15);
+}
+
+TEST_F(RefinementTest, TheRequiredRiseIsThreeQuartersOfTheDigitsOfTheTolerance) {
+  EXPECT_DOUBLE_EQ(required_rise(1e-9, 1e-10), 0.75);
+  EXPECT_DOUBLE_EQ(required_rise(1e-9, 1e-11), 1.5);
+  EXPECT_DOUBLE_EQ(required_rise(1e-9, 1e-13), 1.5);  // never more than what a hundred times ask
+  EXPECT_DOUBLE_EQ(required_rise(1e-9, 1e-9), 0.75);  // a run that is no tighter shows nothing
+  make_rows(layout_, verdict_);
+  verdict_.run.rtol = 1e-11;
+  set_refined_tolerance(verdict_, 1e-12);
+  for (const QuantityRow& row : verdict_.rows) EXPECT_NEAR(row.required_rise, 0.75, 1e-12);
+  record_all(Check::same_run, 7.3);
+  record_all(Check::refined, 8.0);
+  EXPECT_FALSE(meets_need(verdict_.rows[0], Check::refined));
+  record_all(Check::refined, 8.1);
+  EXPECT_TRUE(meets_need(verdict_.rows[0], Check::refined));
+}
+
+TEST_F(RefinementTest, TheDigitsThatAreMissingAskForTheTighteningThatGivesThem) {
+  make_rows(layout_, verdict_);
+  verdict_.need = default_needs(model_);
+  record_all(Check::same_state, 14.0);
+  const auto asked = [&](double digits) {
+    record_all(Check::same_run, digits);
+    return tightening_asked(verdict_);
+  };
+  EXPECT_DOUBLE_EQ(asked(9.0), 10.0);
+  EXPECT_DOUBLE_EQ(asked(7.6), 10.0);
+  EXPECT_NEAR(asked(7.3), std::pow(10.0, 1.6), 1e-9);
+  EXPECT_DOUBLE_EQ(asked(3.0), 100.0);
+  verdict_.rows[0].unique = false;  // nothing is asked for what is not judged
+  record_all(Check::same_run, 9.0);
+  verdict_.rows[0].detail[1].unexplained = 3.0;
+  EXPECT_DOUBLE_EQ(tightening_asked(verdict_), 10.0);
+  verdict_.motion = MotionAgreement{7.3, 0.1, "origin of bob"};
+  EXPECT_NEAR(tightening_asked(verdict_), std::pow(10.0, 1.6), 1e-9);
 }
 
 TEST_F(RefinementTest, RefinedIsMetByTheRiseOrByItsNeed) {

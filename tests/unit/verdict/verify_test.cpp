@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <array>
+#include <functional>
 #include <limits>
+#include <memory>
+#include <string>
 
 #include "compare/report/table.h"
 #include "tests/unit/fake_pendulum.h"
@@ -222,6 +226,111 @@ TEST_F(VerifyTest, ADriftOfOneAloneIsADifference) {
   EXPECT_THAT(verdict.findings.at(0).symptom, HasSubstr("same run: "));
   EXPECT_FALSE(verdict.attribution);
   EXPECT_THAT(verdict.notes, Contains(HasSubstr("to blame: the run of relative, not what it answers")));
+}
+
+/// Where ten times are not enough, the refined check goes on as far as its digits ask. Who has converged by its own two
+/// runs does not run a third time.
+TEST_F(VerifyTest, RefinedIsTightenedAsFarAsItsDigitsAsk) {
+  std::array<int, 2> runs{};
+  model_.run.rtol = 1e-9;
+  cartesian_.drift = 160.0;
+  relative_.drift = 0.0;
+  cartesian_.spoil_run = [&](Trajectory&) { ++runs[0]; };
+  relative_.spoil_run = [&](Trajectory&) { ++runs[1]; };
+  const Verdict verdict = judge();
+  EXPECT_EQ(verdict.outcome, Outcome::agree) << format_verdict(model_, verdict, true);
+  EXPECT_LT(*verdict.same_run.digits, 7.5);
+  EXPECT_LT(*verdict.refined_rtol, 0.09 * verdict.run.rtol);
+  EXPECT_GE(*verdict.refined_rtol, 0.0099 * verdict.run.rtol);
+  EXPECT_EQ(runs, (std::array{3, 2}));
+  runs = {};
+  cartesian_.drift = 15.0;  // a tenth of that is enough already
+  const Verdict nearer = judge();
+  EXPECT_EQ(nearer.outcome, Outcome::agree);
+  EXPECT_DOUBLE_EQ(*nearer.refined_rtol, 0.1 * nearer.run.rtol);
+  EXPECT_EQ(runs, (std::array{2, 2}));
+}
+
+/// Makes stand-ins that drift like those of the test.
+class Makers {
+ public:
+  Makers(const FakePendulum& cartesian, const FakePendulum& relative) : makers_{of(cartesian), of(relative)} {}
+
+  [[nodiscard]] const SolverMakers& all() const { return makers_; }
+
+ private:
+  static std::function<std::unique_ptr<Solver>(const Model&)> of(const FakePendulum& like) {
+    return [&like](const Model& model) {
+      auto made = std::make_unique<FakePendulum>(model, std::string(like.name()));
+      made->drift = like.drift;
+      made->finest = like.finest;
+      return made;
+    };
+  }
+
+  SolverMakers makers_;
+};
+
+TEST_F(VerifyTest, RunsBesideEachOtherTellWhatRunsOneAfterTheOtherTell) {
+  const std::string one_after_the_other = format_verdict(model_, judge(), true);
+  std::array<int, 2> runs{};
+  cartesian_.spoil_run = [&](Trajectory&) { ++runs[0]; };
+  relative_.spoil_run = [&](Trajectory&) { ++runs[1]; };
+  const Makers makers(cartesian_, relative_);
+  VerifyOptions options;
+  options.makers = &makers.all();
+  EXPECT_EQ(format_verdict(model_, judge(options), true), one_after_the_other);
+  EXPECT_EQ(runs, (std::array{1, 1}));
+}
+
+/// Runs that begin beside others end when nobody wants them any more.
+TEST_F(VerifyTest, RunsThatAreNotWantedAreAbandoned) {
+  class Endless : public FakePendulum {
+   public:
+    using FakePendulum::FakePendulum;
+    Trajectory integrate(const RunOptions& /*options*/, const Progress& progress) override {
+      for (;;) progress(0.0);
+    }
+  };
+  const SolverMakers makers{[](const Model& model) { return std::make_unique<Endless>(model, "cartesian"); },
+                            [](const Model& model) { return std::make_unique<Endless>(model, "relative"); }};
+  VerifyOptions options;
+  options.makers = &makers;
+  options.explains = false;
+  relative_.cannot_integrate = true;
+  const Verdict verdict = judge(options);
+  EXPECT_EQ(verdict.outcome, Outcome::failed);
+  EXPECT_THAT(verdict.failures, Contains(HasSubstr("same run: relative: step size too small")));
+}
+
+TEST_F(VerifyTest, WithoutRunsStatesAreJudgedAndNothingElse) {
+  cartesian_.cannot_integrate = relative_.cannot_integrate = true;
+  VerifyOptions options;
+  options.integrates = false;
+  const Verdict verdict = judge(options);
+  EXPECT_EQ(verdict.outcome, Outcome::agree) << format_verdict(model_, verdict, true);
+  EXPECT_EQ(verdict.judged, 10);
+  EXPECT_EQ(verdict.same_state.samples, 54);  // start and step of both, and 50 that are drawn
+  EXPECT_FALSE(verdict.same_run.digits || verdict.refined.digits);
+  EXPECT_TRUE(verdict.audit.passed);
+  EXPECT_GT(verdict.trajectories[0]->samples.at(1).state.t, 0.0);
+  const std::string table = format_verdict(model_, verdict, false);
+  EXPECT_THAT(table, HasSubstr("\n  no run: the start, a short step from it, and states drawn near these\n"
+                               "  digits needed: same state 12, audit 9, of motions 7\n"));
+  EXPECT_THAT(table, ::testing::ContainsRegex("; passed: rank, same state [0-9.]+, audit [0-9.]+\n$"));
+}
+
+TEST_F(VerifyTest, WithoutRunsADifferenceIsADifference) {
+  VerifyOptions options;
+  options.integrates = false;
+  relative_.spoil = [](const State& state, Evaluation& evaluation) {
+    if (state.t > 0.0) evaluation.joints[0].reaction[1].in_C.force(0) *= 1.0 + 1e-9;
+  };
+  const Verdict verdict = judge(options);
+  EXPECT_EQ(verdict.outcome, Outcome::differ);
+  EXPECT_THAT(verdict.findings.at(0).what, HasSubstr("joint A on bob, F_x, t = "));
+  relative_.spoil = [](const State&, Evaluation&) { throw SolverError("relative: joint 'A' is open by 1e-3 m"); };
+  EXPECT_EQ(judge(options).outcome, Outcome::failed);
 }
 
 TEST_F(VerifyTest, ADriftThatStaysFailsTheRefinedCheck) {
