@@ -15,6 +15,7 @@
 #include "cartesian/run/run.h"
 #include "cartesian/start/start.h"
 #include "common/error.h"
+#include "common/open_evaluation.h"
 
 namespace concord::cartesian {
 
@@ -22,7 +23,7 @@ namespace {
 
 /// The phases of the solver in their order: the start, what holds for the machine as a whole, and then single states or
 /// a run.
-class CartesianSolver : public Solver {
+class CartesianSolver : public Solver, public OpenEvaluation {
  public:
   explicit CartesianSolver(const Model& model)
       : equations_(model),
@@ -51,7 +52,17 @@ class CartesianSolver : public Solver {
     set_state(state);
     refuse_open(equations_, state, q_, Y_);
     refuse_other_branch(equations_, state);
+    has_chosen_rows_ = true;
     return reported_evaluation(equations_, solve_with_independent_rows(dynamics_, machine));
+  }
+
+  Evaluation evaluate_open(const State& state) override {
+    const MachineRank& machine = prepared().machine;
+    set_state(state);
+    // Rows that were independent in the last closed state are so beside it.
+    const Solution& solution =
+        has_chosen_rows_ ? dynamics_.solve(Pivots::fresh) : solve_with_independent_rows(dynamics_, machine);
+    return reported_evaluation(equations_, solution);
   }
 
   RankReport rank(const State& state) override {
@@ -120,6 +131,7 @@ class CartesianSolver : public Solver {
   VecX q_;
   VecX Y_;
   std::optional<Prepared> prepared_;
+  bool has_chosen_rows_ = false;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "common/open_evaluation.h"
 #include "relative/rank/rank.h"
 #include "relative/run/integration.h"
 #include "relative/start/states.h"
@@ -31,7 +32,7 @@ void require_frames(const Model& model) {
   }
 }
 
-class RelativeSolver final : public Solver {
+class RelativeSolver final : public Solver, public OpenEvaluation {
  public:
   explicit RelativeSolver(const Model& model)
       : model_(model), equations_(model_), assembly_(equations_), states_(equations_) {}
@@ -69,6 +70,15 @@ class RelativeSolver final : public Solver {
     assembly_.closure_rank().require_agreeing_rows(coordinates, evaluated);
     const JointReactions& reactions = equations_.compute_reactions(evaluated);
     return states_.write_evaluation(evaluated, reactions);
+  }
+
+  Evaluation evaluate_open(const State& state) override {
+    StateMisfit misfit;
+    const Coordinates coordinates = states_.read(state, misfit);
+    count_turns_of(state);
+    assembly_.decide_rank(coordinates);
+    const Evaluated& evaluated = compute_accelerations(coordinates);
+    return states_.write_evaluation(evaluated, equations_.compute_reactions(evaluated));
   }
 
   RankReport rank(const State& state) override { return analyze_rank(assembly_.scaled(), read_closed(state)); }

@@ -11,6 +11,7 @@
 
 #include "common/decompositions.h"
 #include "common/error.h"
+#include "common/open_evaluation.h"
 #include "compare/equilibrium/acceleration_scale.h"
 #include "compare/equilibrium/floating_parts.h"
 #include "compare/equilibrium/free_directions.h"
@@ -39,6 +40,7 @@ class PseudoTransientContinuation {
   PseudoTransientContinuation(const Model& model, Solver& solver, const State& start)
       : model_(model),
         solver_(solver),
+        open_(dynamic_cast<OpenEvaluation*>(&solver)),
         floating_(model),
         start_(start),
         state_(start_),
@@ -157,16 +159,24 @@ class PseudoTransientContinuation {
     return true;
   }
 
-  /// Accelerations at rest, beside the chart's origin.
+  /// Accelerations at rest, beside the chart's origin: to first order, if the solver evaluates what is open.
   [[nodiscard]] AccelerationsAt at_rest(const Chart& chart) const {
     return [&](const VecX& delta) -> std::optional<VecX> {
-      auto state = chart.place_at(delta);
+      auto state = open_ != nullptr ? std::optional(chart.moved_by(delta)) : chart.place_at(delta);
       if (!state) return std::nullopt;
-      auto evaluation = evaluation_unless_refused(solver_, *state);
+      auto evaluation = open_ != nullptr ? open_evaluation(*state) : evaluation_unless_refused(solver_, *state);
       if (!evaluation) return std::nullopt;
       floating_.turn_back(chart.origin(), *state, *evaluation);
       return chart.accelerations(*state, *evaluation);
     };
+  }
+
+  [[nodiscard]] std::optional<Evaluation> open_evaluation(const State& state) const {
+    try {
+      return open_->evaluate_open(state);
+    } catch (const SolverError&) {  // a deformation out of range, or ends of a spring that meet
+      return std::nullopt;
+    }
   }
 
   /// False where there is no step back to make.
@@ -295,6 +305,7 @@ class PseudoTransientContinuation {
 
   const Model& model_;
   Solver& solver_;
+  OpenEvaluation* open_;  // of the same solver; null where it offers none
   FloatingParts floating_;
   State start_;
   State state_;

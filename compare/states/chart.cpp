@@ -309,11 +309,16 @@ std::optional<Derivative> derivative_at_zero(const std::function<std::optional<V
   std::optional<Derivative> best;
   double least_error = 0.0;
   int worse = 0;
+  double finest_step = 0.0;  // what the finest step gave is the next coarse one
+  std::optional<VecX> finest;
   for (double h = step; h >= least && worse < kPatience; h *= 0.25) {
-    const auto coarse = difference(h);
+    const auto coarse = h == finest_step ? std::move(finest) : difference(h);
+    finest_step = 0.0;
     if (!coarse) continue;
     const auto middle = difference(0.5 * h);
     const auto fine = difference(0.25 * h);
+    finest_step = 0.25 * h;
+    finest = fine;
     if (!middle || !fine) continue;
     const VecX first = (4.0 * *middle - *coarse) / 3.0;
     const VecX second = (4.0 * *fine - *middle) / 3.0;

@@ -43,6 +43,9 @@ class Chart {
   /// many directions of motion it has, which for many bodies costs most. Nothing if the solver finds none.
   [[nodiscard]] std::optional<State> place_at(const VecX& delta) const;
 
+  /// The origin displaced along velocities(delta): open in second order.
+  [[nodiscard]] State moved_by(const VecX& delta) const;
+
   /// The places of the origin with no velocities but velocities(delta).
   [[nodiscard]] State origin_moving(const VecX& delta) const;
 
@@ -76,7 +79,6 @@ class Chart {
   [[nodiscard]] MatX scaled_tangent(const State& state) const;
   [[nodiscard]] VecX coordinates(const State& state) const;
   [[nodiscard]] VecX own_rates(const State& state) const;
-  [[nodiscard]] State moved_by(const VecX& delta) const;
   void add_velocity(const VecX& scaled, State& state) const;
 
   const Model& model_;

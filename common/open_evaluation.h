@@ -1,0 +1,18 @@
+#pragma once
+
+#include "common/results.h"
+
+namespace concord {
+
+/// What a solver may offer beside Solver, so that accelerations can be differentiated without closing each state anew.
+class OpenEvaluation {
+ public:
+  virtual ~OpenEvaluation() = default;
+
+  /// Accelerations, reactions, total wrenches and driver forces where bodies at rest were displaced from a closed state
+  /// along velocities that the constraints permit, which leaves them open in second order: to first order in the
+  /// displacement they are those of the closed states beside it. Throws SolverError.
+  virtual Evaluation evaluate_open(const State& state) = 0;
+};
+
+}  // namespace concord
