@@ -59,10 +59,10 @@ std::vector<OwnedState> states_from_starts(const Model& model, const std::array<
   return states;
 }
 
-Trajectory samples_of(Who who, Solver& solver, const std::vector<OwnedState>& states) {
+Trajectory samples_of(Who owner, Solver& solver, const std::vector<OwnedState>& states) {
   Trajectory trajectory;
   for (const OwnedState& owned : states) {
-    if (owned.owner != who) continue;
+    if (owned.owner != owner) continue;
     auto evaluation = evaluation_unless_refused(solver, owned.state);
     if (evaluation) trajectory.samples.push_back({owned.state, std::move(*evaluation), 0.0});
   }

@@ -15,7 +15,7 @@ namespace concord::compare {
 std::vector<OwnedState> states_from_starts(const Model& model, const std::array<Solver*, 2>& solvers,
                                            const std::array<State, 2>& starts, double longest);
 
-/// The samples that the states of one solver make, with its own evaluation; without those that it refuses.
-Trajectory samples_of(Who who, Solver& solver, const std::vector<OwnedState>& states);
+/// The samples that the states of one owner make with a solver's evaluation; without those that the solver refuses.
+Trajectory samples_of(Who owner, Solver& solver, const std::vector<OwnedState>& states);
 
 }  // namespace concord::compare

@@ -103,7 +103,6 @@ class Verification {
  private:
   void verify_runs() {
     RunPair pair = runs_.integrate_beside_refined(verdict_.run, options_.refines ? options_.makers : nullptr);
-    progress_.begin("same state");
     std::vector<OwnedState> states = run_states(view(pair.trajectories), trajectory_states());
     if (states.empty()) {
       for (const Who who : kBothSolvers) states.push_back({starts_[index(who)], who, 0});
@@ -121,14 +120,14 @@ class Verification {
   }
 
   void verify_states() {
-    progress_.begin("same state");
     const double longest = verdict_.run.until / asked_samples_;
     const std::vector<OwnedState> states = states_from_starts(model_, solvers_, starts_, longest);
     ask_in_same_states(states, static_cast<int>(states.size()));
     verdict_.run.samples = static_cast<int>(states.size()) / 2 - 1;
     for (const Who who : kBothSolvers) {
-      verdict_.trajectories[index(who)] = samples_of(who, *solvers_[index(who)], states);
-      judge_audit_of(who, &*verdict_.trajectories[index(who)]);
+      const Trajectory own = samples_of(who, *solvers_[index(who)], states);
+      judge_audit_of(who, &own);
+      verdict_.trajectories[index(who)] = samples_of(Who::cartesian, *solvers_[index(who)], states);
     }
     if (!same_state_.weighed().states.empty()) {
       verdict_.unique = weigh_run(same_state_.weighed(), verdict_.run.samples + 1).mask;
@@ -175,6 +174,7 @@ class Verification {
 
   /// States that the solvers found, `needed` of them, and perturbed ones.
   void ask_in_same_states(const std::vector<OwnedState>& run, int needed) {
+    progress_.begin("same state");
     SharedStates shared = share(solvers_, run);
     SharedStates random = share_random(model_, solvers_, run, options_.seed, random_states());
     // Beside a pose that is singular because of its drivers nothing may close: that is no reason of its own.
