@@ -11,7 +11,7 @@ namespace concord::relative {
 
 namespace {
 
-constexpr long kEvery = 8;            // steps: a fiftieth of the cost
+constexpr long kEvery = 32;           // steps: a thirtieth of the cost
 constexpr double kPartOfStep = 1e-2;  // over which rates are differenced
 constexpr double kUnits = 2.0;        // of round-off of the time
 constexpr double kForgets = 0.9;      // from one measurement to the next: laws rise and fall

@@ -11,6 +11,8 @@ namespace {
 
 /// Deformations are small parts of the length.
 constexpr double kSmallDeformation = 1e-3;
+/// What drivers and forces do to a machine that turns at its rate is a small part of its energy.
+constexpr double kSmallWork = 1e-2;
 
 }  // namespace
 
@@ -28,6 +30,15 @@ IntegratedVariables::IntegratedVariables(const Equations& equations) {
   }
   for (int c = 0; c < topology.n_tree_u; ++c) {
     if (equations.driven()[c] == 0) u_.push_back(c);
+  }
+  const auto place_of = [](const std::vector<int>& all, int one) {
+    return static_cast<int>(std::lower_bound(all.begin(), all.end(), one) - all.begin());
+  };
+  for (const Span& modes : topology.modes) {
+    for (int k = 0; k < modes.n_q; ++k) {
+      modal_coordinates_.push_back(place_of(q_, modes.first_q + k));
+      modal_rates_.push_back(static_cast<int>(n_q()) + place_of(u_, modes.first_u + k));
+    }
   }
 }
 
@@ -57,7 +68,7 @@ VecX sizes_of(const IntegratedVariables& variables, const Equations& equations, 
   VecX sizes = VecX::Ones(variables.size());
   variables.pack(q, u, sizes);
   // Work is compared with the kinetic energy that the machine's own rate stands for.
-  if (size.mass() > 0.0) sizes(variables.work()) = size.mass() * std::pow(rate * size.length(), 2);
+  if (size.mass() > 0.0) sizes(variables.work()) = kSmallWork * size.mass() * std::pow(rate * size.length(), 2);
   return sizes;
 }
 

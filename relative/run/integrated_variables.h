@@ -18,6 +18,10 @@ class IntegratedVariables {
   [[nodiscard]] Eigen::Index n_q() const { return static_cast<Eigen::Index>(q_.size()); }
   [[nodiscard]] Eigen::Index work() const { return size() - 1; }
 
+  /// Places of modal coordinates and of their rates, in one order.
+  [[nodiscard]] const std::vector<int>& modal_coordinates() const { return modal_coordinates_; }
+  [[nodiscard]] const std::vector<int>& modal_rates() const { return modal_rates_; }
+
   void unpack(const Eigen::Ref<const VecX>& y, Coordinates& coordinates) const;
   /// Writes all of y but the work.
   void pack(const VecX& q, const VecX& u, Eigen::Ref<VecX> y) const;
@@ -27,6 +31,8 @@ class IntegratedVariables {
  private:
   std::vector<int> q_;
   std::vector<int> u_;
+  std::vector<int> modal_coordinates_;
+  std::vector<int> modal_rates_;
 };
 
 /// Sizes that accuracy is measured by, one for each integrated number: the machine's length, its rate, its energy.

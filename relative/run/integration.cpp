@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <optional>
 
 #include "common/growth_watch.h"
 #include "common/laws/break_times.h"
-#include "common/sundials.h"
+#include "relative/run/adams.h"
+#include "relative/run/implicit_stepper.h"
 #include "relative/run/integration_run.h"
 #include "relative/run/regime_events.h"
 
@@ -38,84 +40,92 @@ struct RowsOfSteps {
   RowsOfSteps& operator=(const RowsOfSteps&) = delete;
 };
 
+std::unique_ptr<Stepper> make_stepper(const std::string& integrator, IntegrationRun& run, const VecX& y, double until) {
+  constexpr double kFirst = 1e-3;    // of the run: where that is too long, the first error tells by how much
+  constexpr double kLongest = 2e-2;  // of the run: what comes and goes within it would be stepped over
+  if (integrator == "dirk") return std::make_unique<ImplicitStepper>(run, y);
+  return std::make_unique<Adams>(run, run.modes(), y, Adams::Lengths{kFirst * until, kLongest * until});
+}
+
 /// The integrator of a run on its way from one time to another. No step passes over a time at which a law goes on as
-/// another formula, or at which the regime of a contact ends.
+/// another formula, or at which the regime of a contact ends; over a sample only where the integrator is as accurate
+/// within its steps.
 class Course {
  public:
   /// The run must outlive this object.
   Course(IntegrationRun& run, Equations& equations, const Coordinates& start, const RunOptions& options,
          const std::string& integrator)
       : run_(&run),
-        y_(packed(run, start, context_)),
-        stepper_(integrator, y_.get(), callbacks_of(run), context_, messages_),
+        numbers_(packed(run, start)),
+        stepper_(make_stepper(integrator, run, numbers_, options.until)),
         events_(
             equations.applied_forces(), [&run](double t, const Eigen::Ref<const VecX>& y) { run.apply_forces(t, y); },
-            stepper_, y_.get(), run.sizes_of_coordinates(), options.until),
+            *stepper_, run.sizes_of_coordinates(), options.until),
         has_events_(equations.applied_forces().has_regimes()),
+        until_(options.until),
         shortest_(kSameTime * options.until),
         breaks_(break_times(equations.model(), options.until)),
         next_break_(breaks_.begin()) {
-    if (has_events_) events_.set_regimes(0.0, numbers());
+    if (has_events_) events_.set_regimes();
   }
   Course(const Course&) = delete;
   Course& operator=(const Course&) = delete;
 
-  /// The integrated numbers where the last advance has ended.
-  [[nodiscard]] Eigen::Map<VecX> numbers() { return sundials::view(y_.get()); }
-  [[nodiscard]] long steps() const { return stepper_.steps(); }
+  [[nodiscard]] long steps() const { return stepper_->steps(); }
 
-  /// Goes to t_end exactly. Throws SolverError with time and reason.
-  void advance(double t_end) {
-    run_->forget_failure();
-    for (; next_break_ != breaks_.end() && *next_break_ < t_end; ++next_break_) advance_smoothly(*next_break_);
-    advance_smoothly(t_end);
+  /// The integrated numbers at t, which may not be before those of the last call. Throws SolverError with time and
+  /// reason.
+  const VecX& numbers_at(double t) {
+    try {
+      while (t - stepper_->t() > shortest_) step(t);
+      if (stepper_->t() - t > shortest_) {
+        stepper_->interpolate(t, numbers_);
+      } else {
+        numbers_ = stepper_->y();
+      }
+    } catch (const SolverError& error) {
+      IntegrationRun::throw_stopped(stepper_->t(), error);
+    }
+    return numbers_;
   }
 
   void count_turns() {
-    if (run_->count_turns(numbers())) require_good(stepper_.rename(t_, y_.get()));
+    numbers_ = stepper_->y();
+    if (run_->count_turns(numbers_)) stepper_->rename(numbers_);
   }
 
  private:
-  static sundials::Vector packed(const IntegrationRun& run, const Coordinates& start,
-                                 const sundials::Context& context) {
-    sundials::Vector y = sundials::make_vector(run.variables().size(), context);
-    run.variables().pack(start.q, start.u, sundials::view(y.get()));
+  static VecX packed(const IntegrationRun& run, const Coordinates& start) {
+    VecX y = VecX::Zero(run.variables().size());
+    run.variables().pack(start.q, start.u, y);
     return y;
   }
 
-  void require_good(int code) const {
-    if (code < 0) run_->throw_stopped(t_, messages_.last);
-  }
-
-  void advance_smoothly(double t_end) {
-    if (t_end - t_ <= shortest_) return;
-    if (!has_events_) return require_good(stepper_.advance(t_end, y_.get(), t_));
-    int code = 0;
-    try {
-      code = events_.advance(t_end, y_.get(), t_);
-    } catch (const SolverError& error) {
-      run_->remember(error);
-      code = -1;
+  void step(double sample) {
+    double end = stepper_->has_dense_output() ? until_ : sample;
+    while (next_break_ != breaks_.end() && *next_break_ <= stepper_->t()) ++next_break_;
+    if (next_break_ != breaks_.end()) end = std::min(end, *next_break_);
+    if (has_events_) {
+      events_.step(end);
+    } else {
+      stepper_->step(end);
     }
-    require_good(code);
   }
 
   IntegrationRun* run_;
-  sundials::Context context_;
-  sundials::MessageRecord messages_;
-  sundials::Vector y_;
-  Stepper stepper_;
+  VecX numbers_;
+  std::unique_ptr<Stepper> stepper_;
   RegimeEvents events_;
   bool has_events_;
+  double until_;
   double shortest_;  // two times closer than this are one
   std::vector<double> breaks_;
   std::vector<double>::const_iterator next_break_;
-  double t_ = 0.0;
 };
 
 }  // namespace
 
-std::vector<std::string> integrator_names(const Model& /*model*/) { return {"erk", "dirk"}; }
+std::vector<std::string> integrator_names(const Model& /*model*/) { return {"adams", "dirk"}; }
 
 Trajectory integrate(Equations& equations, Assembly& assembly, States& states, const Coordinates& start,
                      const RunOptions& options, const Progress& progress) {
@@ -128,9 +138,8 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
   std::optional<GrowthWatch> growth;
   for (int i = 0; i <= options.samples; ++i) {
     const double t = i == options.samples ? options.until : options.until * i / options.samples;
-    if (i > 0) course.advance(t);
     const State before = i > 0 ? trajectory.samples.back().state : State();
-    trajectory.samples.push_back(run.take_sample(states, t, course.numbers(), before));
+    trajectory.samples.push_back(run.take_sample(states, t, course.numbers_at(t), before));
     if (!growth) growth.emplace(equations.model(), trajectory.samples.front().state);
     growth->follow(trajectory.samples.back().state, "relative");
     StateMisfit misfit;

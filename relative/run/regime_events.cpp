@@ -19,53 +19,44 @@ double round_off_of_time(double t) { return 8.0 * std::numeric_limits<double>::e
 
 }  // namespace
 
-RegimeEvents::RegimeEvents(AppliedForces& forces, ApplyForces apply, Stepper& stepper, N_Vector y, VecX sizes,
-                           double until)
+RegimeEvents::RegimeEvents(AppliedForces& forces, ApplyForces apply, Stepper& stepper, VecX sizes, double until)
     : forces_(&forces),
       apply_(std::move(apply)),
       stepper_(&stepper),
       until_(until),
-      within_(N_VClone(y)),
+      within_(stepper.y()),
       sizes_(std::move(sizes)),
-      at_event_(sundials::view(y).head(sizes_.size())) {
+      at_event_(within_.head(sizes_.size())) {
   look_.values = VecX::Zero(forces.n_event_functions());
   looks_.fill(look_);
 }
 
 RegimeEvents::~RegimeEvents() { forces_->free_regimes(); }
 
-void RegimeEvents::set_regimes(double t, const Eigen::Ref<const VecX>& y) {
+void RegimeEvents::set_regimes() {
   forces_->free_regimes();
-  take_event_functions(t, y, looks_.front().values);
+  take_event_functions(stepper_->t(), stepper_->y(), looks_.front().values);
   forces_->freeze_regimes();
   departed_ = false;
 }
 
-int RegimeEvents::advance(double t_end, N_Vector y, double& t) {
-  while (t < t_end) {
-    const double t_before = t;
-    before_ = sundials::view(y);
-    const int code = stepper_->step(t_end, y, t);
-    if (code < 0) return code;
-    take_event_functions(t, sundials::view(y), looks_.back().values);
-    const auto departed = forces_->departed_contact();
-    const double step = t - t_before;
-    const std::optional<Bracket> bracket = find_bracket(t_before, step);
-    if (!bracket) {
-      require_held_regimes(t, departed);
-      looks_.front().values = looks_.back().values;
-      continue;
-    }
-    t = t_before;
-    const int found = approach(*bracket, y, t);
-    if (found < 0) return found;
-    if (least_event_function(t, sundials::view(y)) < 0.0) require_progress(t, sundials::view(y));
-    set_regimes(t, sundials::view(y));
-    const int restarted = stepper_->restart(t, y, std::min(step, std::max(t_end - t, round_off_of_time(t))));
-    if (restarted < 0) return restarted;
-    if (t_end - t <= round_off_of_time(t)) t = t_end;
+void RegimeEvents::step(double t_end) {
+  const double t_before = stepper_->t();
+  stepper_->step(t_end);
+  take_event_functions(stepper_->t(), stepper_->y(), looks_.back().values);
+  const auto departed = forces_->departed_contact();
+  const double step = stepper_->t() - t_before;
+  const std::optional<Bracket> bracket = find_bracket(t_before, step);
+  if (!bracket) {
+    require_held_regimes(departed);
+    looks_.front().values = looks_.back().values;
+    return;
   }
-  return 0;
+  approach(*bracket);
+  if (least_event_function() < 0.0) require_progress();
+  set_regimes();
+  const double t = stepper_->t();
+  stepper_->restart(std::min(step, std::max(t_end - t, round_off_of_time(t))));
 }
 
 void RegimeEvents::take_event_functions(double t, const Eigen::Ref<const VecX>& y, VecX& values) {
@@ -73,18 +64,15 @@ void RegimeEvents::take_event_functions(double t, const Eigen::Ref<const VecX>& 
   forces_->write_event_functions(values);
 }
 
-double RegimeEvents::least_event_function(double t, const Eigen::Ref<const VecX>& y) {
-  take_event_functions(t, y, look_.values);
+double RegimeEvents::least_event_function() {
+  take_event_functions(stepper_->t(), stepper_->y(), look_.values);
   return look_.least();
 }
 
 void RegimeEvents::take_look(double t_before, double at, Look& look) {
   look.at = at;
-  if (stepper_->interpolate(t_before + at, within_.get()) < 0) {
-    look.values.setConstant(HUGE_VAL);
-  } else {
-    take_event_functions(t_before + at, sundials::view(within_.get()), look.values);
-  }
+  stepper_->interpolate(t_before + at, within_);
+  take_event_functions(t_before + at, within_, look.values);
 }
 
 /// From the begin of the step, where the state is exact: what lies within is interpolated and may be off.
@@ -168,25 +156,20 @@ double RegimeEvents::guess(const Bracket& b, double tolerance) {
   return std::clamp(b.inside + part * (b.outside - b.inside), b.inside + tolerance, b.outside - tolerance);
 }
 
-/// Finds the step that ends just outside and leaves its state in y and t: by secants, the value at an end that stays
-/// halved (the Illinois method), and in the middle after a secant that did not halve the bracket. The event function
-/// is the smallest of several: where another one rests on its border, secants alone would not get to the end.
-int RegimeEvents::approach(Bracket b, N_Vector y, double& t) {
-  const double t_before = t;
-  const double tolerance = std::max(1e-13 * until_, round_off_of_time(t_before));
-  const auto make = [&](double step) {
-    t = t_before;
-    sundials::view(y) = before_;
-    return stepper_->step_exactly(step, y, t);
-  };
+/// Finds the step that ends just outside and leaves its state in the stepper: by secants, the value at an end that
+/// stays halved (the Illinois method), and in the middle after a secant that did not halve the bracket. The event
+/// function is the smallest of several: where another one rests on its border, secants alone would not get to the end.
+void RegimeEvents::approach(Bracket b) {
+  const double tolerance = std::max(1e-13 * until_, round_off_of_time(stepper_->t()));
+  double made = 0.0;
   int last_side = 0;
   bool bisects = false;
   for (int trial = 0; trial < kMostTrials && b.outside - b.inside > 2.0 * tolerance; ++trial) {
     const double length = b.outside - b.inside;
     const double step = bisects ? b.inside + 0.5 * length : guess(b, tolerance);
-    const int code = make(step);
-    if (code < 0) return code;
-    const double found = least_event_function(t, sundials::view(y));
+    stepper_->step_exactly(step);
+    made = step;
+    const double found = least_event_function();
     const int side = found < 0.0 ? 1 : -1;
     if (side > 0) {
       b.outside = step;
@@ -200,23 +183,24 @@ int RegimeEvents::approach(Bracket b, N_Vector y, double& t) {
     last_side = side;
     bisects = !bisects && b.outside - b.inside > 0.5 * length;
   }
-  return make(b.outside);
+  if (made != b.outside) stepper_->step_exactly(b.outside);
 }
 
 /// At the end of a step that none of the event functions cuts short: the forces are those of the laws.
-void RegimeEvents::require_held_regimes(double t, const std::optional<AppliedForces::Contact>& departed) {
+void RegimeEvents::require_held_regimes(const std::optional<AppliedForces::Contact>& departed) {
   if (departed && departed_) {
     throw SolverError(
         fmt::format("at t = {:.6g} s the force of {} is not what its law says: the end of its regime was missed, which "
                     "is a fault of the program",
-                    t, departed->name()));
+                    stepper_->t(), departed->name()));
   }
   departed_ = departed.has_value();
 }
 
 /// Refuses regimes that take turns in no time and on no way: a wheel that bounces on for long changes them as often.
-void RegimeEvents::require_progress(double t, const Eigen::Ref<const VecX>& y) {
-  const auto q = y.head(sizes_.size());
+void RegimeEvents::require_progress() {
+  const double t = stepper_->t();
+  const auto q = stepper_->y().head(sizes_.size());
   const double step = sizes_.size() > 0 ? (q - at_event_).cwiseQuotient(sizes_).lpNorm<Eigen::Infinity>() : 0.0;
   at_event_ = q;
   events_.push_back({t, step + (events_.empty() ? 0.0 : events_.back().way)});

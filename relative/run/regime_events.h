@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "common/sundials.h"
 #include "relative/forces/applied_forces.h"
 #include "relative/run/stepper.h"
 
@@ -19,19 +18,18 @@ class RegimeEvents {
   /// Brings the forces to a time and the integrated numbers.
   using ApplyForces = std::function<void(double t, const Eigen::Ref<const VecX>& y)>;
 
-  /// `y`: the integrated numbers, for their size; `sizes`: of the coordinates, which come first among them; `until`:
-  /// the end of the run [s].
-  RegimeEvents(AppliedForces& forces, ApplyForces apply, Stepper& stepper, N_Vector y, VecX sizes, double until);
+  /// `sizes`: of the coordinates, which come first among the integrated numbers; `until`: the end of the run [s].
+  RegimeEvents(AppliedForces& forces, ApplyForces apply, Stepper& stepper, VecX sizes, double until);
   ~RegimeEvents();
   RegimeEvents(const RegimeEvents&) = delete;
   RegimeEvents& operator=(const RegimeEvents&) = delete;
 
-  /// Takes the regimes of a state.
-  void set_regimes(double t, const Eigen::Ref<const VecX>& y);
+  /// Takes the regimes of the state that the stepper has reached.
+  void set_regimes();
 
-  /// Advances y to t_end exactly; a negative code of the stepper where it fails. Throws SolverError where events follow
-  /// each other without end.
-  int advance(double t_end, N_Vector y, double& t);
+  /// Makes one step, to t_end at most. Throws SolverError where the stepper does, and where events follow each other
+  /// without end.
+  void step(double t_end);
 
  private:
   /// Lengths of two steps, and the event function where they end: inside the regimes, and outside.
@@ -54,7 +52,7 @@ class RegimeEvents {
   static Point point(const Look& look, Eigen::Index function) { return {look.at, look.values(function)}; }
 
   void take_event_functions(double t, const Eigen::Ref<const VecX>& y, VecX& values);
-  double least_event_function(double t, const Eigen::Ref<const VecX>& y);
+  double least_event_function();
   void take_look(double t_before, double at, Look& look);
   std::optional<Bracket> find_bracket(double t_before, double step);
   std::optional<Bracket> find_dip(double t_before);
@@ -62,16 +60,15 @@ class RegimeEvents {
   std::optional<Point> follow_dip(double t_before, std::array<Point, 4> around, Eigen::Index function);
   [[nodiscard]] Bracket up_to(double at, double value) const;
   [[nodiscard]] static double guess(const Bracket& bracket, double tolerance);
-  int approach(Bracket bracket, N_Vector y, double& t);
-  void require_progress(double t, const Eigen::Ref<const VecX>& y);
-  void require_held_regimes(double t, const std::optional<AppliedForces::Contact>& departed);
+  void approach(Bracket bracket);
+  void require_progress();
+  void require_held_regimes(const std::optional<AppliedForces::Contact>& departed);
 
   AppliedForces* forces_;
   ApplyForces apply_;
   Stepper* stepper_;
   double until_;
-  VecX before_;
-  sundials::Vector within_;
+  VecX within_;
   std::array<Look, 5> looks_;  // into the last step, from its begin to its end
   Look look_;
   /// When an event was, and how far the coordinates had moved from event to event, in their sizes.

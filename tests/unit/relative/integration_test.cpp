@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "machines.h"
-#include "relative/run/prince_dormand.h"
 #include "relative/solver.h"
 
 namespace concord::relative {
@@ -48,7 +47,7 @@ double error_of_free_flight(const Trajectory& trajectory) {
 
 TEST(Integration, FollowsTheClosedFormOfAFreeSymmetricBody) {
   const Model model = free_symmetric_body();
-  for (const std::string integrator : {"erk", "dirk"}) {
+  for (const std::string integrator : {"adams", "dirk"}) {
     const Trajectory run = make_solver(model)->integrate(options(4.0, 8, 1e-10, integrator), {});
     EXPECT_LT(error_of_free_flight(run), 1e-7) << integrator;
   }
@@ -78,7 +77,7 @@ TEST(Integration, FollowsTheClosedFormOfADampedMass) {
   model.joints[0].springs = {spring};
   const double x0 = model.joints[0].start[0].q(0) - free;
   const double v0 = model.joints[0].start[0].u(0);
-  for (const std::string integrator : {"erk", "dirk"}) {
+  for (const std::string integrator : {"adams", "dirk"}) {
     const Trajectory run = make_solver(model)->integrate(options(1.5, 6, 1e-10, integrator), {});
     for (const Sample& sample : run.samples) {
       const double t = sample.state.t;
@@ -90,36 +89,8 @@ TEST(Integration, FollowsTheClosedFormOfADampedMass) {
   }
 }
 
-/// Fixed steps of the table on a driven pendulum, without ARKODE's step control.
-TEST(Integration, ErkTableIsOfOrderEight) {
-  const ButcherTable table = prince_dormand();
-  const auto rate = [](double t, const Eigen::Vector2d& y) {
-    return Eigen::Vector2d(y(1), -std::sin(y(0)) + 0.3 * std::cos(1.7 * t));
-  };
-  const auto reached = [&](int steps) {
-    Eigen::Vector2d y(1.1, 0.4);
-    const double h = 6.0 / steps;
-    for (int n = 0; n < steps; ++n) {
-      std::vector<Eigen::Vector2d> k;
-      Eigen::Vector2d next = y;
-      for (int i = 0; i < table->stages; ++i) {
-        Eigen::Vector2d stage = y;
-        for (int j = 0; j < i; ++j) stage += h * table->A[i][j] * k[j];
-        k.push_back(rate((n + table->c[i]) * h, stage));
-        next += h * table->b[i] * k.back();
-      }
-      y = next;
-    }
-    return y;
-  };
-  const Eigen::Vector2d exact = reached(600);
-  const double order = std::log2((reached(20) - exact).norm() / (reached(40) - exact).norm());
-  EXPECT_GT(order, 7.8);
-  EXPECT_LT(order, 9.2);
-}
-
-/// A pair whose error estimate is zero where rates depend on time alone, as Fehlberg's is, loses the work of drivers
-/// that move all bodies: here of a rod that turns 480 times under gravity, with 50 outputs.
+/// A method whose error estimate is zero where rates depend on time alone loses the work of drivers that move all
+/// bodies: here of a rod that turns 480 times under gravity, with 50 outputs.
 TEST(Integration, WorkOfDriversThatMoveEverythingIsHeldToTheTolerance) {
   test::Numbers numbers(34);
   Model model;
@@ -129,7 +100,7 @@ TEST(Integration, WorkOfDriversThatMoveEverythingIsHeldToTheTolerance) {
   model.joints = {test::joint(model, "hinge", "revolute", 0, 1, numbers)};
   test::release(model.joints[0]);
   model.joints[0].drivers.push_back({0, ConstantSpeed{0.2, 300.0}});
-  const Trajectory run = make_solver(model)->integrate(options(10.0, 50, 1e-11, "erk"), {});
+  const Trajectory run = make_solver(model)->integrate(options(10.0, 50, 1e-11, "adams"), {});
   const double start = test::energy(model, run.samples.front().state);
   double largest = 0.0;
   for (const Sample& sample : run.samples) {
@@ -140,10 +111,10 @@ TEST(Integration, WorkOfDriversThatMoveEverythingIsHeldToTheTolerance) {
   EXPECT_GT(largest, 0.1);
 }
 
-TEST(Integration, ErkGainsSevenDigitsPerDecadeOfStepsAtLeast) {
+TEST(Integration, AdamsGainsSevenDigitsPerDecadeOfStepsAtLeast) {
   Model model = test::spatial_slider_crank(false);
   const auto pose_at_end = [&](double rtol, long& steps) {
-    const Trajectory run = make_solver(model)->integrate(options(2.0, 1, rtol, "erk"), {});
+    const Trajectory run = make_solver(model)->integrate(options(2.0, 1, rtol, "adams"), {});
     steps = run.statistics.steps;
     return VecX(run.samples.back().state.bodies[2].r);
   };
@@ -160,7 +131,7 @@ TEST(Integration, ErkGainsSevenDigitsPerDecadeOfStepsAtLeast) {
 
 TEST(Integration, ExplicitAndImplicitAgreeOnAFlexibleLoop) {
   const Model model = test::spatial_slider_crank(true);
-  const Trajectory one = make_solver(model)->integrate(options(0.5, 5, 1e-10, "erk"), {});
+  const Trajectory one = make_solver(model)->integrate(options(0.5, 5, 1e-10, "adams"), {});
   const Trajectory other = make_solver(model)->integrate(options(0.5, 5, 1e-10, "dirk"), {});
   for (std::size_t i = 0; i < one.samples.size(); ++i) {
     EXPECT_LT((one.samples[i].state.bodies[3].r - other.samples[i].state.bodies[3].r).norm(), 1e-7);
@@ -210,7 +181,7 @@ TEST(Integration, StopsAtTheGridAndReportsWhatItDid) {
   for (int i = 0; i <= 7; ++i) EXPECT_EQ(run.samples[i].state.t, 0.7 * i / 7);
   EXPECT_EQ(reported.back(), 0.7);
   EXPECT_GT(run.statistics.steps, 7);
-  EXPECT_GE(run.statistics.evaluations, 13 * run.statistics.steps);
+  EXPECT_GE(run.statistics.evaluations, 2 * run.statistics.steps);
   EXPECT_GT(run.statistics.wall_s, 0.0);
   EXPECT_LT(run.statistics.max_constraint, 1e-14);
   EXPECT_GT(run.statistics.max_constraint, 0.0);
@@ -244,19 +215,19 @@ TEST(Integration, RefusesStepsThatGetNowhere) {
     const std::string text = error.what();
     EXPECT_TRUE(text.starts_with("relative: at t = ")) << text;
     EXPECT_NE(text.find(" s 300000 evaluations advanced the run by "), std::string::npos) << text;
-    EXPECT_NE(text.find("the motion locks there, or is too stiff for erk"), std::string::npos) << text;
+    EXPECT_NE(text.find("the motion locks there, or is too stiff for adams"), std::string::npos) << text;
   }
 }
 
 TEST(Integration, NamesTheIntegratorsItHas) {
   const Model model = test::spatial_slider_crank(false);
-  EXPECT_EQ(make_solver(model)->integrators(), (std::vector<std::string>{"erk", "dirk"}));
+  EXPECT_EQ(make_solver(model)->integrators(), (std::vector<std::string>{"adams", "dirk"}));
   try {
     (void)make_solver(model)->integrate(options(1.0, 1, 1e-8, "euler"), {});
     FAIL() << "an unknown integrator was accepted";
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
-                 "slider_crank.toml: error: the relative solver has no integrator 'euler'; it has erk, dirk");
+                 "slider_crank.toml: error: the relative solver has no integrator 'euler'; it has adams, dirk");
   }
 }
 

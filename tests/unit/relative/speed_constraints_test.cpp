@@ -122,7 +122,7 @@ TEST_P(CoupledRun, KeepsItsRelationAndItsEnergy) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, CoupledRun,
-                         ::testing::Combine(::testing::Values("erk", "dirk"), ::testing::Bool()));
+                         ::testing::Combine(::testing::Values("adams", "dirk"), ::testing::Bool()));
 
 /// Discs on hinges, axis x or z of a carrier that turns about z of its own hinge: everything at generic places along
 /// the axes, frames tilted as one.
