@@ -14,7 +14,7 @@ namespace {
 
 /// Errors of single steps add up over a run: each is held to this part of the tolerance asked of the run, but not below
 /// what round-off lets the formulas see. A decade of it costs a fifth more steps.
-constexpr double kStepShare = 0.003;
+constexpr double kStepShare = 5e-4;
 constexpr double kFinestStep = 2e-15;
 
 }  // namespace
