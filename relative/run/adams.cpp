@@ -57,6 +57,7 @@ void Adams::begin() {
 void Adams::step(double t_end) {
   constexpr int kMostFailures = 20;
   constexpr double kShorter = 0.25;
+  constexpr double kFirstPart = 1e-2;  // a first step of all would not see what is the same at both ends
   constexpr double kRoundOff = 8.0 * std::numeric_limits<double>::epsilon();
   const double rest = (t_end - at_.t) - at_.beyond;
   if (rest <= kRoundOff * std::abs(t_end)) {
@@ -67,7 +68,10 @@ void Adams::step(double t_end) {
   }
   failure_ = nullptr;
   rejections_ = 0;
-  if (begins_) begin();
+  if (begins_) {
+    begin();
+    h_ = std::min(h_, kFirstPart * rest);
+  }
   system_->weigh(at_.y, error_weights_);
   h_ = std::min(h_, longest_);
   if (modes_.fastest() > 0.0) h_ = std::min(h_, kMostRadians / modes_.fastest());

@@ -53,7 +53,7 @@ StepWeights::StepWeights(Eigen::Index n_modes)
       x_(VecX::Zero(n_modes)),
       v_(VecX::Zero(n_modes)) {}
 
-void StepWeights::write_polynomials(double tau) {
+void StepWeights::write_polynomials(double tau) {  // (R81)
   double value = 1.0;
   for (int j = 0; j <= last_; ++j) {
     polynomials_(j) = value;

@@ -9,6 +9,11 @@
 #include "common/error.h"
 
 namespace concord::relative {
+
+namespace test {
+long allocations_so_far();  // of the test program: equations_test.cpp
+}
+
 namespace {
 
 /// y' = f(t, y) to a tolerance; modes differ from f by what `S` and `D` say at a time.
@@ -188,7 +193,7 @@ TEST(Adams, IntegratesOscillatorsExactlyInOneStepOfAnyLength) {
     for (const double t : {1e-3, 0.06, 0.5}) {
       TestSystem system = all[i].system(1e-6);
       Adams adams(system, modes_of(2), start, {t, t});
-      adams.step(t);
+      adams.step(1000.0 * t);
       ASSERT_EQ(adams.t(), t);
       const VecX exact = all[i].exact(start, t);
       EXPECT_LT((adams.y() - exact).norm(), 2e-10 * exact.norm() + 1e-12) << "oscillators " << i << ", step " << t;
@@ -291,14 +296,24 @@ TEST(Adams, BeginsAnewAndMakesStepsAnew) {
 }
 
 /// What steps lose of time by rounding is kept: laws are asked at the time that the state has gone.
+/// A turning state is the clock here; the third number adds up the angle between it and the time.
 TEST(Adams, AddsUpNoRoundOffOfTime) {
   TestSystem system;
-  system.tolerance = 1e-13;
-  system.f = [](double t, const VecX& /*y*/) { return VecX(Eigen::Vector2d(1.0, std::cos(300.0 * t))); };
-  Adams adams(system, no_modes(), Eigen::Vector2d(0.0, 0.0), {1e-3, 0.1});
-  while (adams.t() < 10.0) adams.step(10.0);
-  EXPECT_GT(adams.steps(), 3000);
-  EXPECT_NEAR(adams.y()(1), std::sin(3000.0) / 300.0, 2e-12);
+  system.tolerance = 1e-16;
+  system.f = [](double t, const VecX& y) {
+    return VecX(Eigen::Vector3d(-y(1), y(0), y(0) * std::sin(t) - y(1) * std::cos(t)));
+  };
+  Adams adams(system, no_modes(), Eigen::Vector3d(1.0, 0.0, 0.0), {1e-4, 1e-4});
+  EXPECT_NEAR(at_end(adams, 10.0)(2), 0.0, 5e-12);
+  EXPECT_GT(adams.steps(), 90000);
+}
+
+/// Rates that are the same at both ends of what is asked for, and nowhere between, are seen.
+TEST(Adams, DoesNotStepOverWhatIsTheSameAtBothEnds) {
+  TestSystem system;
+  system.f = [](double t, const VecX& /*y*/) { return VecX(VecX::Constant(1, 30.0 * t * t * std::pow(1.0 - t, 2))); };
+  Adams adams(system, no_modes(), VecX::Zero(1), {10.0, 10.0});
+  EXPECT_NEAR(at_end(adams, 1.0)(0), 1.0, 1e-8);
 }
 
 /// A state that takes another name, as one that is whole turns less, goes on as it was.
@@ -344,6 +359,40 @@ TEST(Adams, StaysOnTheManifold) {
   EXPECT_NEAR(y.norm(), 1.0, 1e-15);
   EXPECT_LT((y - Eigen::Vector2d(std::cos(50.0), std::sin(50.0))).norm(), 1e-7);
 }
+
+#if !defined(CONCORD_SANITIZED)
+/// Two modes and a pendulum.
+struct SteadySystem : TestSystem {
+  void evaluate(double t, const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> ydot) override {
+    ydot(0) = y(2);
+    ydot(1) = y(3);
+    ydot(2) = -400.0 * y(0) + 30.0 * y(1);
+    ydot(3) = 20.0 * y(0) - 900.0 * y(1) - 0.3 * y(3) + std::cos(t);
+  }
+  void differentiate_modes(double /*t*/, const Eigen::Ref<const VecX>& /*y*/, const Eigen::Ref<const VecX>& /*ydot*/,
+                           Eigen::Ref<MatX> S, Eigen::Ref<MatX> D) override {
+    ++renewals;
+    S << 400.0, -30.0, -20.0, 900.0;
+    D << 0.0, 0.0, 0.0, 0.3;
+  }
+};
+
+TEST(Adams, AllocatesNothingInAStep) {
+  SteadySystem system;
+  system.tolerance = 1e-12;
+  Adams adams(system, modes_of(2), Eigen::Vector4d(0.3, -1.2, 2.0, 0.5), {1e-3, 0.02});
+  VecX within(4);
+  for (int k = 0; k < 60; ++k) adams.step(100.0);
+  const long renewals = system.renewals;
+  const long before = test::allocations_so_far();
+  for (int k = 0; k < 30; ++k) {
+    adams.step(100.0);
+    adams.interpolate(adams.t() - 1e-3, within);
+  }
+  EXPECT_EQ(test::allocations_so_far() - before, 0);
+  EXPECT_EQ(system.renewals, renewals);
+}
+#endif
 
 TEST(ModalOscillators, RespondAlikeWhereverTheClosedFormChanges) {
   for (const double damping : {0.0, 3.0, 40.0}) {

@@ -18,6 +18,10 @@ extern "C" void* malloc(size_t size) {
   ++allocations;
   return __libc_malloc(size);
 }
+namespace concord::relative::test {
+/// For other tests of this program too.
+long allocations_so_far() { return allocations; }
+}  // namespace concord::relative::test
 #endif
 
 namespace concord::relative {
