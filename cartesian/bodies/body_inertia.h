@@ -57,6 +57,9 @@ class DeformedInertia {
   /// M(a), (6 + m) square, for Y = [v; omega; adot] with v and omega in global axes; A: body to global (C33).
   template <class Block>
   void write_mass_matrix(const Mat3& A, Block&& M) const;
+  /// Its first six rows, those of v and omega; the others are their transpose and BodyInertia::modal_mass().
+  template <class Block>
+  void write_rigid_rows(const Mat3& A, Block&& M) const;
 
   /// S, U = K a + D adot and gravity: writes Q_gravity - S - U, 6 + m rows, (C34), (C35); omega global.
   template <class Modal, class Rows>

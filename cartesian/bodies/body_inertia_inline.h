@@ -36,20 +36,25 @@ void DeformedInertia::update(const Modal& a, const Modal& adot) {
 }
 
 template <class Block>
-void DeformedInertia::write_mass_matrix(const Mat3& A, Block&& M) const {
+void DeformedInertia::write_rigid_rows(const Mat3& A, Block&& M) const {
   const Mat3 lever = skew(A * sum_s_);
   M.template block<3, 3>(0, 0) = body_.mass_ * Mat3::Identity();
   M.template block<3, 3>(0, 3) = -lever;
   M.template block<3, 3>(3, 0) = lever;
   M.template block<3, 3>(3, 3) = A * (sum_s_s_.trace() * Mat3::Identity() - sum_s_s_) * A.transpose();
   for (int k = 0; k < body_.n_modes_; ++k) {
-    const Vec3 push = A * body_.sum_psi_.col(k);
-    const Vec3 twist = A * cross_sum(sum_s_psi_.middleCols<3>(3 * k));
-    M.template block<3, 1>(0, 6 + k) = push;
-    M.template block<1, 3>(6 + k, 0) = push.transpose();
-    M.template block<3, 1>(3, 6 + k) = twist;
-    M.template block<1, 3>(6 + k, 3) = twist.transpose();
-    for (int l = 0; l < body_.n_modes_; ++l) M(6 + k, 6 + l) = body_.modal_mass_(k, l);
+    M.template block<3, 1>(0, 6 + k) = A * body_.sum_psi_.col(k);
+    M.template block<3, 1>(3, 6 + k) = A * cross_sum(sum_s_psi_.middleCols<3>(3 * k));
+  }
+}
+
+template <class Block>
+void DeformedInertia::write_mass_matrix(const Mat3& A, Block&& M) const {
+  write_rigid_rows(A, M);
+  const int m = body_.n_modes_;
+  for (int k = 0; k < m; ++k) {
+    for (int row = 0; row < 6; ++row) M(6 + k, row) = M(row, 6 + k);
+    for (int l = 0; l < m; ++l) M(6 + k, 6 + l) = body_.modal_mass_(k, l);
   }
 }
 

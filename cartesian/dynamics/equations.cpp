@@ -119,6 +119,12 @@ double Equations::power_of(const Eigen::Ref<const VecX>& lambda) const {
   return sum;
 }
 
+ByBody<MatX> modal_masses(const Equations& equations) {
+  ByBody<MatX> masses(equations.layout().n_bodies());
+  for (const BodyIndex i : equations.layout().moving_bodies()) masses[i] = equations.inertia(i).modal_mass();
+  return masses;
+}
+
 ByBody<MatX> make_mass_matrices(const Layout& layout) {
   ByBody<MatX> M(layout.n_bodies());
   for (const BodyIndex i : layout.moving_bodies()) M[i].setZero(layout.size_Y(i), layout.size_Y(i));

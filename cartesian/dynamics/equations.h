@@ -64,6 +64,11 @@ class Equations {
   [[nodiscard]] const VecX& forces() const { return forces_; }
   /// Writes the mass matrices of all moving bodies (make_mass_matrices).
   void write_mass_matrices(ByBody<MatX>& M) const;
+  /// The first six rows of a body's, those of v and omega.
+  template <class Block>
+  void write_rigid_rows(BodyIndex body, Block&& M) const {
+    deformed_[body].write_rigid_rows(moving_->rotation(body), M);
+  }
   /// Power of drivers, joint springs and force elements less that of modal damping [W], with these multipliers (one for
   /// each row).
   [[nodiscard]] double power_of(const Eigen::Ref<const VecX>& lambda) const;  // (C39)
@@ -91,6 +96,8 @@ class Equations {
   mutable bool has_row_sizes_ = false;
 };
 
+/// The modal masses of all bodies.
+ByBody<MatX> modal_masses(const Equations& equations);
 /// Room for the mass matrices of all bodies; ground's is empty.
 ByBody<MatX> make_mass_matrices(const Layout& layout);
 /// M x, n_Y rows.
