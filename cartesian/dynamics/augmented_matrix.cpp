@@ -125,15 +125,10 @@ void AugmentedMatrix::fill(const Equations& equations) {
   }
 }
 
-void AugmentedMatrix::copy_numbers_of(const AugmentedMatrix& other) {
-  std::copy_n(other.lu_.values(), other.lu_.row_indices().size(), lu_.values());
-  lu_.least_diagonal() = other.lu_.least_diagonal();
-}
-
-void AugmentedMatrix::add_to_modes(BodyIndex body, double factor, const MatX& K) {
+void AugmentedMatrix::add_to_modes(BodyIndex body, const MatX& K) {
   for (int k = 0; k < K.cols(); ++k) {
     double* column = lu_.values() + mass_entries_[body][6 + k] + 6;
-    for (int l = 0; l < K.rows(); ++l) column[l] += factor * K(l, k);
+    for (int l = 0; l < K.rows(); ++l) column[l] += K(l, k);
   }
 }
 

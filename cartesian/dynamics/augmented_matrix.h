@@ -23,10 +23,8 @@ class AugmentedMatrix {
   void use_rows(const std::vector<bool>& active);
   /// Writes its numbers at the last update of the equations, rows that take no part included.
   void fill(const Equations& equations);
-  /// Takes the numbers of another one of the same equations.
-  void copy_numbers_of(const AugmentedMatrix& other);
-  /// Adds factor * K to the inertia of a body's modes.
-  void add_to_modes(BodyIndex body, double factor, const MatX& K);
+  /// Adds K to the inertia of a body's modes.
+  void add_to_modes(BodyIndex body, const MatX& K);
 
  private:
   void find_entries(const Equations& equations);

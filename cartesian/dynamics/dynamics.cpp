@@ -13,9 +13,13 @@ namespace concord::cartesian {
 Dynamics::Dynamics(Equations& equations)
     : equations_(equations),
       matrix_(equations),
+      elimination_(equations, modal_masses(equations)),
       projection_(equations),
       gamma_(VecX::Zero(equations.constraints().n_rows())),
+      right_side_(VecX::Zero(equations.layout().n_Y() + gamma_.size())),
       unknowns_(VecX::Zero(equations.layout().n_Y() + gamma_.size())),
+      trial_(VecX::Zero(unknowns_.size())),
+      error_(VecX::Zero(unknowns_.size())),
       least_unknowns_(VecX::Zero(unknowns_.size())),
       solution_(equations.layout().n_Y(), equations.constraints().n_rows()) {
   use_rows(std::vector<bool>(equations.constraints().n_rows(), true));
@@ -25,6 +29,7 @@ void Dynamics::use_rows(const std::vector<bool>& active) {
   if (active == active_) return;
   active_ = active;
   matrix_.use_rows(active);
+  elimination_.use_rows(active);
   projection_.use_rows(active);
   has_new_rows_ = true;
 }
@@ -48,38 +53,91 @@ const SparseLu& Dynamics::fill_matrix() {
 }
 
 void Dynamics::write_right_side() {
-  unknowns_.head(equations_.layout().n_Y()) = equations_.forces();
+  right_side_.head(equations_.layout().n_Y()) = equations_.forces();
   for (const RowIndex row : equations().constraints().rows()) {
-    unknowns_(matrix_.index_of(row)) = is_active(row) ? gamma_(row.value) : 0.0;
+    right_side_(matrix_.index_of(row)) = is_active(row) ? gamma_(row.value) : 0.0;
   }
 }
 
-/// With pivots chosen at another state. What speeds and gravity make of a body is no small acceleration.
-bool Dynamics::solve_between_steps() {
-  constexpr double kGoodEnough = 1e-12;
+/// What speeds and gravity make of a body is no small acceleration.
+void Dynamics::measure_least_unknowns() {
   const VecX& units = equations_.units();
   const double from_gravity = equations_.model().gravity.norm() / equations_.length();
   const double from_speeds = equations_.Y().cwiseQuotient(units).cwiseAbs2().maxCoeff();
   least_unknowns_.head(units.size()) = std::max(from_gravity, from_speeds) * units;
-  return matrix_.lu().solve_equation_by_equation(unknowns_, kGoodEnough, least_unknowns_);
+}
+
+namespace {
+
+/// Of the terms of each equation, between steps.
+constexpr double kGoodEnough = 1e-12;
+
+}  // namespace
+
+bool Dynamics::solve_by_elimination() {
+  is_eliminated_ = elimination_.factor(equations_);
+  if (!is_eliminated_) return false;
+  unknowns_ = right_side_;
+  elimination_.solve(unknowns_);
+  measure_least_unknowns();
+  if (refinement_ != Refinement::exact) {
+    const bool is_good = elimination_.is_good_enough(right_side_, unknowns_, least_unknowns_, kGoodEnough);
+    if (is_good && refinement_ == Refinement::none) return true;
+    elimination_.correct(unknowns_);
+    if (is_good || elimination_.is_good_enough(right_side_, unknowns_, least_unknowns_, kGoodEnough)) return true;
+  }
+  matrix_.fill(equations_);
+  return matrix_.lu().improve(right_side_, unknowns_, [this](VecX& rest) { elimination_.solve(rest); });
+}
+
+/// With pivots chosen at another state.
+bool Dynamics::solve_by_whole_matrix() {
+  SparseLu& lu = matrix_.lu();
+  is_eliminated_ = false;
+  matrix_.fill(equations_);
+  if (!lu.refactor()) return false;
+  unknowns_ = right_side_;
+  if (refinement_ != Refinement::none) return lu.solve_refined(unknowns_, 0.0);
+  measure_least_unknowns();
+  return lu.solve_equation_by_equation(unknowns_, kGoodEnough, least_unknowns_);
 }
 
 bool Dynamics::factor_and_solve(Pivots pivots) {
-  SparseLu& lu = matrix_.lu();
-  if (pivots == Pivots::kept && !has_new_rows_) {
-    write_right_side();
-    if (lu.refactor() && (magnifies_ ? lu.solve_refined(unknowns_, 0.0) : solve_between_steps())) return true;
-  }
   write_right_side();
-  const bool is_good = lu.factor() && lu.solve_refined(unknowns_, 0.0);
-  magnifies_ = is_good && magnifies_round_off();
+  if (pivots == Pivots::kept && !has_new_rows_) {
+    if ((eliminates_ && solve_by_elimination()) || solve_by_whole_matrix()) return true;
+  }
+  SparseLu& lu = matrix_.lu();
+  is_eliminated_ = false;
+  matrix_.fill(equations_);
+  unknowns_ = right_side_;
   has_new_rows_ = false;
-  return is_good;
+  if (!lu.factor() || !lu.solve_refined(unknowns_, 0.0)) return false;
+  judge_elimination();
+  return true;
+}
+
+/// In a state that has been solved for to round-off.
+void Dynamics::judge_elimination() {
+  constexpr double kFarOff = 1e-6;
+  SparseLu& lu = matrix_.lu();
+  eliminates_ = is_eliminated_ = false;
+  refinement_ = loses_digits(lu.relative_correction(), lu.first_correction()) ? Refinement::exact : Refinement::none;
+  if (!elimination_.factor(equations_)) return;
+  trial_ = right_side_;
+  elimination_.solve(trial_);
+  const auto departure = [&] { return lu.relative_size(error_ = trial_ - unknowns_, unknowns_); };
+  eliminates_ = is_eliminated_ = departure() <= kFarOff;
+  if (!eliminates_) return;
+  refinement_ = Refinement::none;
+  if (!loses_digits(departure(), error_)) return;
+  (void)elimination_.is_good_enough(right_side_, trial_, least_unknowns_, kGoodEnough);
+  elimination_.correct(trial_);
+  refinement_ = loses_digits(departure(), error_) ? Refinement::exact : Refinement::rough;
 }
 
 const Solution& Dynamics::solve(Pivots pivots) {
   equations_.moving_constraints().write_gamma(equations_.time(), gamma_);
-  matrix_.fill(equations_);
   if (!factor_and_solve(pivots)) {
     throw SingularPose(fmt::format(
         "cartesian: at t = {:.6g} s the equations of motion are singular: the machine is in a singular pose, a body "
@@ -100,20 +158,23 @@ const Solution& Dynamics::solve_at(double t, const Eigen::Ref<const VecX>& q, co
 void Dynamics::accelerate(const Eigen::Ref<const VecX>& forces, Eigen::Ref<VecX> accelerations) {
   unknowns_.setZero();
   unknowns_.head(forces.size()) = forces;
-  matrix_.lu().solve(unknowns_);
+  if (is_eliminated_) {
+    elimination_.solve(unknowns_);
+  } else {
+    matrix_.lu().solve(unknowns_);
+  }
   accelerations = unknowns_.head(forces.size());
 }
 
-/// Whether the last solution needed correcting: as a whole, or the accelerations alone, which is where the tiny
-/// equations of a body far lighter than those that lead it are seen.
-bool Dynamics::magnifies_round_off() const {
+/// Whether an error of a solution is more than evaluations between steps may lose: as a whole, or of the accelerations
+/// alone, which is where the tiny equations of a body far lighter than those that lead it are seen.
+bool Dynamics::loses_digits(double relative_error, const VecX& error) const {
   constexpr double kMagnified = 1e-13;
-  const SparseLu& lu = matrix_.lu();
-  if (lu.relative_correction() > kMagnified) return true;
+  if (relative_error > kMagnified) return true;
   const auto n_Y = equations_.layout().n_Y();
   const double acceleration = largest_acceleration(equations_, unknowns_.head(n_Y));
-  const auto correction = lu.first_correction().head(n_Y).cwiseQuotient(equations_.units());
-  return (correction.array().abs() > kMagnified * acceleration).any();
+  const auto in_units = error.head(n_Y).cwiseQuotient(equations_.units());
+  return (in_units.array().abs() > kMagnified * acceleration).any();
 }
 
 std::optional<RowIndex> Dynamics::contradicted_row(const Solution& solution) {
@@ -122,6 +183,7 @@ std::optional<RowIndex> Dynamics::contradicted_row(const Solution& solution) {
   VecX solved(unknowns_.size());
   solved << solution.Ydot(), solution.lambda();
   unknowns_ << equations_.forces(), gamma_;
+  matrix_.fill(equations_);
   matrix_.lu().subtract_product(solved, unknowns_);
   double worst = kContradiction * largest_acceleration(equations_, solution.Ydot());
   std::optional<RowIndex> found;
@@ -137,7 +199,7 @@ std::optional<RowIndex> Dynamics::contradicted_row(const Solution& solution) {
 }
 
 const RoundOffShares& Dynamics::project(const Solution& /*nearby*/, double t, Eigen::Ref<VecX> q, Eigen::Ref<VecX> Y) {
-  return projection_.project(equations_, matrix_, t, q, Y);
+  return projection_.project(equations_, {matrix_.lu(), is_eliminated_ ? &elimination_ : nullptr}, t, q, Y);
 }
 
 }  // namespace concord::cartesian

@@ -5,6 +5,7 @@
 
 #include "cartesian/dynamics/augmented_matrix.h"
 #include "cartesian/dynamics/equations.h"
+#include "cartesian/dynamics/inertia_elimination.h"
 #include "cartesian/dynamics/projection.h"
 
 namespace concord::cartesian {
@@ -72,17 +73,28 @@ class Dynamics {  // (C40)
  private:
   void write_right_side();
   [[nodiscard]] bool factor_and_solve(Pivots pivots);
-  [[nodiscard]] bool solve_between_steps();
-  [[nodiscard]] bool magnifies_round_off() const;
+  [[nodiscard]] bool solve_by_elimination();
+  [[nodiscard]] bool solve_by_whole_matrix();
+  void measure_least_unknowns();
+  void judge_elimination();
+  [[nodiscard]] bool loses_digits(double relative_error, const VecX& error) const;
 
   Equations& equations_;
   AugmentedMatrix matrix_;
+  InertiaElimination elimination_;
   Projection projection_;
-  std::vector<bool> active_;  // by constraint row
-  bool has_new_rows_ = true;  // since the last factorization
-  bool magnifies_ = false;    // the condition magnifies round-off beyond what evaluations between steps may lose
+  std::vector<bool> active_;    // by constraint row
+  bool has_new_rows_ = true;    // since the last factorization
+  bool eliminates_ = false;     // inertias are eliminated between steps
+  bool is_eliminated_ = false;  // in the state of the last solution
+  /// What it takes that round-off, magnified by the condition, does not cost more than evaluations between steps may
+  /// lose: a residual in double precision, or as if in twice that.
+  enum class Refinement { none, rough, exact } refinement_ = Refinement::none;
   VecX gamma_;
+  VecX right_side_;
   VecX unknowns_;
+  VecX trial_;           // by elimination, where the solution is known
+  VecX error_;           // of that
   VecX least_unknowns_;  // accelerations that are none, by the equations' residuals; zero for multipliers
   Solution solution_;
 };

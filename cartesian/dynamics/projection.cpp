@@ -22,9 +22,16 @@ Projection::Projection(const Equations& equations)
       shares_(*constraints_),
       residual_(VecX::Zero(constraints_->n_rows())),
       unknowns_(VecX::Zero(equations.layout().n_Y() + constraints_->n_rows())),
-      step_(VecX::Zero(equations.layout().n_Y())) {
+      step_(VecX::Zero(equations.layout().n_Y())),
+      stiffening_(equations.layout().n_bodies()) {
   if (constraints_->has_nonholonomic_rows() || equations.model().is_flexible()) {
+    ByBody<MatX> masses = modal_masses(equations);
+    for (const BodyIndex i : equations.layout().moving_bodies()) {
+      stiffening_[i] = equations.scales().stiffening[i] * equations.inertia(i).stiffness();
+      masses[i] += stiffening_[i];
+    }
     position_matrix_ = std::make_unique<AugmentedMatrix>(equations);
+    position_elimination_ = std::make_unique<InertiaElimination>(equations, masses);
   }
 }
 
@@ -36,48 +43,51 @@ void Projection::use_rows(const std::vector<bool>& active) {
     of_positions[row.value] = active[row.value] && constraints_->holds_positions(row);
   }
   position_matrix_->use_rows(of_positions);
+  position_elimination_->use_rows(of_positions);
   has_new_rows_ = true;
 }
 
-const RoundOffShares& Projection::project(const Equations& equations, AugmentedMatrix& matrix, double t,
+const RoundOffShares& Projection::project(const Equations& equations, const NearbyFactors& nearby, double t,
                                           Eigen::Ref<VecX> q, Eigen::Ref<VecX> Y) {
   equations.layout().normalize(q);
   if (constraints_->n_rows() == 0) return shares_;
   constraints_->count_turns_as(equations.constraints());
-  PlacedConstraints& placed = project_positions(equations, matrix, t, q);
-  project_velocities(placed, equations, matrix, t, Y);
+  PlacedConstraints& placed = project_positions(equations, nearby, t, q);
+  project_velocities(placed, equations, nearby, t, Y);
   return shares_;
 }
 
 /// Adds to the inertia of each mode what its stiffness resists: it takes no part in closing the joints, unless nothing
 /// else can (C48).
-void Projection::factor_position_matrix(const Equations& equations, const AugmentedMatrix& matrix) {
-  position_matrix_->copy_numbers_of(matrix);
-  for (const BodyIndex i : equations.layout().moving_bodies()) {
-    position_matrix_->add_to_modes(i, equations.scales().stiffening[i], equations.inertia(i).stiffness());
-  }
+NearbyFactors Projection::factor_position_matrix(const Equations& equations, const NearbyFactors& nearby) {
+  if (!position_matrix_) return nearby;
   SparseLu& lu = position_matrix_->lu();
+  if (nearby.elimination != nullptr && position_elimination_->factor(equations)) {
+    return {lu, position_elimination_.get()};
+  }
+  position_matrix_->fill(equations);
+  for (const BodyIndex i : equations.layout().moving_bodies()) {
+    position_matrix_->add_to_modes(i, stiffening_[i]);
+  }
   const bool is_regular = has_new_rows_ ? lu.factor() : lu.refactor();
   has_new_rows_ = false;
-  if (!is_regular) {
-    throw SolverError(
-        fmt::format("cartesian: at t = {:.6g} s the equations of position are singular", equations.time()));
-  }
+  if (is_regular) return {lu, nullptr};
+  throw SolverError(fmt::format("cartesian: at t = {:.6g} s the equations of position are singular", equations.time()));
 }
 
-void Projection::solve_constraint_step(AugmentedMatrix& matrix) {  // (C48)
+void Projection::solve_constraint_step(const NearbyFactors& factors) {  // (C48)
   unknowns_.setZero();
+  auto of_rows = unknowns_.tail(residual_.size());
   for (const RowIndex row : constraints_->rows()) {
-    unknowns_(matrix.index_of(row)) = active_[row.value] ? -residual_(row.value) : 0.0;
+    of_rows(row.value) = active_[row.value] ? -residual_(row.value) : 0.0;
   }
-  matrix.lu().solve(unknowns_);
+  factors.solve(unknowns_);
   step_ = unknowns_.head(step_.size());
 }
 
-PlacedConstraints& Projection::project_positions(const Equations& equations, AugmentedMatrix& matrix, double t,
+PlacedConstraints& Projection::project_positions(const Equations& equations, const NearbyFactors& nearby, double t,
                                                  Eigen::Ref<VecX> q) {
-  if (position_matrix_) factor_position_matrix(equations, matrix);
-  AugmentedMatrix& of_positions = position_matrix_ ? *position_matrix_ : matrix;
+  const NearbyFactors of_positions = factor_position_matrix(equations, nearby);
   measure_round_off(equations, t, q, shares_);
   PlacedConstraints* placed = nullptr;
   double size = HUGE_VAL;
@@ -97,7 +107,7 @@ PlacedConstraints& Projection::project_positions(const Equations& equations, Aug
                   t, name_of_largest(equations, residual_), size, kProjectionLimit));
 }
 
-void Projection::project_velocities(PlacedConstraints& placed, const Equations& equations, AugmentedMatrix& matrix,
+void Projection::project_velocities(PlacedConstraints& placed, const Equations& equations, const NearbyFactors& nearby,
                                     double t, Eigen::Ref<VecX> Y) {
   const double speed = largest_rate(equations, t, Y);
   double size = HUGE_VAL;
@@ -107,7 +117,7 @@ void Projection::project_velocities(PlacedConstraints& placed, const Equations& 
     size = largest_residual(equations, residual_);
     velocity_residual_left_ = size / speed;
     if (size <= kProjected * speed || (size < kProjectionLimit * speed && size > 0.5 * last)) return;
-    solve_constraint_step(matrix);
+    solve_constraint_step(nearby);
     Y += step_;
   }
   if (size <= kProjectionLimit * speed) return;

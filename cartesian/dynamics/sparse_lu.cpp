@@ -232,10 +232,13 @@ void SparseLu::begin_solving(const VecX& right_side) {
   relative_correction_ = 0.0;
   right_side_ = right_side.cwiseProduct(row_scales_);
   solution_ = right_side_;
-  klu_solve(klu_->symbolic, klu_->numeric, size(), 1, solution_.data(), &klu_->common);
+  solve_scaled(solution_);
 }
 
-bool SparseLu::refine() {
+void SparseLu::solve_scaled(VecX& x) { klu_solve(klu_->symbolic, klu_->numeric, size(), 1, x.data(), &klu_->common); }
+
+template <class SolveScaled>
+bool SparseLu::refine(const SolveScaled& solve_scaled) {
   constexpr double kFirstAllowed = 1e-2;                               // correction of the solution
   constexpr double kLeastNormal = std::numeric_limits<double>::min();  // smaller numbers have few digits
   constexpr double kFalling = 0.5;
@@ -246,7 +249,7 @@ bool SparseLu::refine() {
   // A round more than round-off of the largest asks for: the smaller ones have theirs.
   double last = HUGE_VAL;
   for (int round = 0; round < kMaxRounds && last > std::numeric_limits<double>::epsilon(); ++round) {
-    klu_solve(klu_->symbolic, klu_->numeric, size(), 1, residual_.data(), &klu_->common);
+    solve_scaled(residual_);
     const double size_of_solution = largest(solution_);
     const double correction = size_of_solution > 0.0 ? largest(residual_) / size_of_solution : 0.0;
     if (round == 0) {
@@ -256,7 +259,7 @@ bool SparseLu::refine() {
     }
     if (!is_good || !(correction < kFalling * last)) break;
     solution_ += residual_;
-    last = correction;
+    last = last_correction_ = correction;
     write_exact_residual();
   }
   return is_good;
@@ -267,6 +270,37 @@ bool SparseLu::end_solving(bool is_good, VecX& x) const {
   return is_good && x.allFinite();
 }
 
+bool SparseLu::improve(const VecX& right_side, VecX& x, const std::function<void(VecX&)>& solve_nearly) {
+  constexpr double kConverged = 1e-12;
+  if (size() == 0) return true;
+  scale(false);
+  first_correction_.setZero(size());
+  relative_correction_ = last_correction_ = 0.0;
+  right_side_ = right_side.cwiseProduct(row_scales_);
+  for (int place = 0; place < size(); ++place)
+    solution_(place) = is_idle(place) ? 0.0 : x(place) / column_scales_(place);
+  const auto solve_scaled = [&](VecX& rest) {
+    for (int place = 0; place < size(); ++place) rest(place) = is_idle(place) ? 0.0 : rest(place) / row_scales_(place);
+    solve_nearly(rest);
+    for (int place = 0; place < size(); ++place) {
+      rest(place) = is_idle(place) ? 0.0 : rest(place) / column_scales_(place);
+    }
+  };
+  const bool is_good = solution_.allFinite() && refine(solve_scaled);
+  return end_solving(is_good && last_correction_ <= kConverged, x);
+}
+
+double SparseLu::relative_size(const VecX& x, const VecX& y) const {
+  double of_x = 0.0;
+  double of_y = 0.0;
+  for (int place = 0; place < size(); ++place) {
+    if (is_idle(place)) continue;
+    of_x = std::max(of_x, std::abs(x(place) / column_scales_(place)));
+    of_y = std::max(of_y, std::abs(y(place) / column_scales_(place)));
+  }
+  return of_y > 0.0 ? of_x / of_y : 0.0;
+}
+
 bool SparseLu::solve_refined(VecX& x, double good_enough) {
   if (size() == 0) return true;
   begin_solving(x);
@@ -275,7 +309,8 @@ bool SparseLu::solve_refined(VecX& x, double good_enough) {
     write_rough_residual();
     return residual_.lpNorm<Eigen::Infinity>() <= good_enough * right_side_.lpNorm<Eigen::Infinity>();
   };
-  return end_solving(solution_.allFinite() && (is_good_enough() || refine()), x);
+  return end_solving(solution_.allFinite() && (is_good_enough() || refine([this](VecX& rest) { solve_scaled(rest); })),
+                     x);
 }
 
 bool SparseLu::solve_equation_by_equation(VecX& x, double good_enough, const VecX& least) {
@@ -286,7 +321,8 @@ bool SparseLu::solve_equation_by_equation(VecX& x, double good_enough, const Vec
     write_terms(least);
     return (residual_.array().abs() <= good_enough * terms_.array()).all();
   };
-  return end_solving(solution_.allFinite() && (is_good_enough() || refine()), x);
+  return end_solving(solution_.allFinite() && (is_good_enough() || refine([this](VecX& rest) { solve_scaled(rest); })),
+                     x);
 }
 
 }  // namespace concord::cartesian

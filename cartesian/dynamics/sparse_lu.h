@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -54,11 +55,16 @@ class SparseLu {
   /// these no unknown counts as less than its entry of `least` (zero: any is as small as it is). So the small terms of
   /// a light body's equations count as much as those of its heavy neighbours, which they lead.
   bool solve_equation_by_equation(VecX& x, double good_enough, const VecX& least);
+  /// Improves x, a solution of the matrix as its values are, with what solves it nearly in place of the factors. False
+  /// if that leads to no solution of double precision.
+  bool improve(const VecX& right_side, VecX& x, const std::function<void(VecX&)>& solve_nearly);
   /// The first correction of the last solution, a measure of how the condition magnifies round-off; zeros if
   /// there was none.
   [[nodiscard]] const VecX& first_correction() const { return first_correction_; }
   /// Its size relative to the solution, both scaled.
   [[nodiscard]] double relative_correction() const { return relative_correction_; }
+  /// Size of x relative to y, both scaled.
+  [[nodiscard]] double relative_size(const VecX& x, const VecX& y) const;
   /// y -= matrix x, idle rows and columns as they stand in values().
   void subtract_product(const VecX& x, VecX& y) const;
 
@@ -69,7 +75,10 @@ class SparseLu {
   [[nodiscard]] bool is_idle(int place) const { return !idle_.empty() && idle_[place]; }
   void begin_solving(const VecX& right_side);
   [[nodiscard]] bool end_solving(bool is_good, VecX& x) const;
-  bool refine();
+  /// With what solves the scaled system in place.
+  template <class SolveScaled>
+  bool refine(const SolveScaled& solve_scaled);
+  void solve_scaled(VecX& x);
   /// Of the scaled equations, in double precision or as if in twice that.
   void write_rough_residual();
   void write_exact_residual();
@@ -96,6 +105,7 @@ class SparseLu {
   std::vector<double> rounding_;
   VecX first_correction_;
   double relative_correction_ = 0.0;
+  double last_correction_ = 0.0;  // relative too
 };
 
 }  // namespace concord::cartesian
