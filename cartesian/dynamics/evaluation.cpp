@@ -1,5 +1,7 @@
 #include "cartesian/dynamics/evaluation.h"
 
+#include <optional>
+
 #include "cartesian/bodies/joint_coordinates.h"
 #include "cartesian/dynamics/reactions.h"
 
@@ -27,7 +29,10 @@ Evaluation reported_evaluation(const Equations& equations, const Solution& solut
   for (const JointIndex k : constraints.joints()) {
     const JointEquations& joint = constraints.joint(k);
     const VecX lambda = joint_multipliers(joint, solution.lambda());
-    result.joints.push_back(compute_wrenches(pick(model.joints, k), joint, lambda, equations.applied().springs_of(k)));
+    const AppliedForce* springs = equations.applied().springs_of(k);
+    std::optional<SpringsAt> exerted;
+    if (springs != nullptr) exerted.emplace(SpringsAt{equations.time(), *springs});
+    result.joints.push_back(compute_wrenches(pick(model.joints, k), joint, lambda, exerted ? &*exerted : nullptr));
   }
   for (const CouplingIndex g : constraints.couplings()) {
     result.couplings.push_back(-solution.lambda()(constraints.coupling(g).row.value));

@@ -1,5 +1,7 @@
 #include "cartesian/dynamics/reactions.h"
 
+#include "cartesian/forces/joint_springs.h"
+
 namespace concord::cartesian {
 
 namespace {
@@ -12,7 +14,7 @@ SideWrench seen_from(const Mat3& A_joint, const Wrench& in_global) {
 /// Generalized force columns of the body, weighted with -lambda, as a wrench at the marker (C41).
 Wrench from_columns(const Marker& marker, const Eigen::Ref<const MatX>& Phi_Y_transposed,
                     const Eigen::Ref<const VecX>& lambda) {
-  const Vec6 generalized = -(Phi_Y_transposed.topRows<6>() * lambda);
+  const Vec6 generalized = -Phi_Y_transposed.topRows<6>().lazyProduct(lambda);
   Wrench wrench;
   wrench.force = generalized.head<3>();
   wrench.torque = generalized.tail<3>() - marker.lever.cross(wrench.force);
@@ -35,7 +37,8 @@ Wrench on_ground(const JointEquations& joint, Side side, const Eigen::Ref<const 
 }
 
 /// The coordinate wrench of tau on both sides, parent first, global axes.
-std::array<Wrench, 2> coordinate_wrenches(const Joint& stated, const JointEquations& joint, const VecX& tau) {
+std::array<Wrench, 2> coordinate_wrenches(const Joint& stated, const JointEquations& joint,
+                                          const Eigen::Ref<const VecX>& tau) {
   const Vec6 in_C = coordinate_wrench(*stated.type, joint.motion, tau);
   const Mat3& A_joint = joint.marker(Side::parent).A_joint;
   const Vec3 force = A_joint * in_C.head<3>();
@@ -49,26 +52,28 @@ Wrench difference(const Wrench& total, const Wrench& part) {
 
 }  // namespace
 
-JointWrenches compute_wrenches(const Joint& stated, const JointEquations& joint, const Eigen::Ref<const VecX>& lambda,
-                               const AppliedForce* springs) {
-  JointWrenches wrenches;
-  VecX row_tau = VecX::Zero(stated.type->n_u());
+void write_wrenches(const Joint& stated, const JointEquations& joint, const Eigen::Ref<const VecX>& lambda,
+                    const SpringsAt* springs, JointWrenches& wrenches) {
+  VecX& tau = wrenches.tau;
+  tau.setZero(stated.type->n_u());
   for (std::size_t k = 0; k < stated.drivers.size(); ++k) {
     const Driver& driver = stated.drivers[k];
-    row_tau(first_u(*stated.type, driver.word) + driver.component) =
+    tau(first_u(*stated.type, driver.word) + driver.component) =
         -lambda(joint.first_driver + static_cast<Eigen::Index>(k));
   }
-  wrenches.shares.fill(VecX::Zero(stated.type->n_u()));
-  if (springs != nullptr) wrenches.shares = springs->shares;
-  wrenches.shares[index(Actor::driver)] = row_tau;
+  for (VecX& share : wrenches.shares) share.setZero(tau.size());
+  wrenches.shares[index(Actor::driver)] = tau;
   for (std::size_t k = 0; k < joint.coupled.size(); ++k) {
     const CoupledCoordinate& coordinate = joint.coupled[k];
-    row_tau(first_u(*stated.type, coordinate.word) + coordinate.component) -=
+    tau(first_u(*stated.type, coordinate.word) + coordinate.component) -=
         lambda(joint.n_rows + static_cast<Eigen::Index>(k));
   }
-  wrenches.tau = springs == nullptr ? row_tau : VecX(row_tau + springs->tau);
   const bool is_driven = !stated.drivers.empty() || !joint.coupled.empty();
-  const auto by_rows = is_driven ? coordinate_wrenches(stated, joint, row_tau) : std::array<Wrench, 2>{};
+  const auto by_rows = is_driven ? coordinate_wrenches(stated, joint, tau) : std::array<Wrench, 2>{};
+  if (springs != nullptr) {
+    add_spring_shares(stated, joint, springs->t, springs->exerted, wrenches.shares);
+    tau += springs->exerted.tau;
+  }
   for (const Side side : {Side::parent, Side::child}) {
     const Marker& marker = joint.marker(side);
     // All rows, those of drivers and couplings included; springs stand among the applied forces.
@@ -76,10 +81,16 @@ JointWrenches compute_wrenches(const Joint& stated, const JointEquations& joint,
                                ? on_ground(joint, side, lambda)
                                : from_columns(marker, joint.Phi_Y_transposed[index(side)], lambda);
     Wrench total = of_rows;
-    if (springs != nullptr) total += springs->wrenches[index(side)];
+    if (springs != nullptr) total += springs->exerted.wrenches[index(side)];
     wrenches.total[index(side)] = seen_from(marker.A_joint, total);
     wrenches.reaction[index(side)] = seen_from(marker.A_joint, difference(of_rows, by_rows[index(side)]));
   }
+}
+
+JointWrenches compute_wrenches(const Joint& stated, const JointEquations& joint, const Eigen::Ref<const VecX>& lambda,
+                               const SpringsAt* springs) {
+  JointWrenches wrenches;
+  write_wrenches(stated, joint, lambda, springs, wrenches);
   return wrenches;
 }
 

@@ -37,11 +37,9 @@ struct AppliedForce {
   /// ground).
   std::array<Wrench, 2> wrenches;
   std::array<VecX, 2> forces;
-  /// Of a joint's springs: coordinate forces, all together and by actor (n_u numbers each, none of a driver), whether
-  /// each spring's coordinate is an angle known but for full turns, and the angles that the last known turns are
-  /// counted from.
+  /// Of a joint's springs: coordinate forces (n_u numbers), whether each spring's coordinate is an angle known but for
+  /// full turns, and the angles that the last known turns are counted from.
   VecX tau;
-  std::array<VecX, kActors.size()> shares;
   std::vector<bool> spring_turns;
   VecX known_q;
   /// Of a turn spring: the angle that its turns are counted from.

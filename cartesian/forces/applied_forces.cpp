@@ -53,7 +53,6 @@ AppliedForce AppliedForces::make_applied_force(const Joint& joint, JointIndex k)
   applied.stop_regimes.resize(joint.springs.size());
   applied.n_event_functions = cartesian::n_event_functions(joint);
   applied.tau.setZero(joint.type->n_u());
-  applied.shares.fill(applied.tau);
   applied.known_q.setZero(joint.type->n_q());
   for (const JointSpring& spring : joint.springs) {
     applied.spring_turns.push_back(reads_turn(*read_of(*joint.type, spring.word), spring.component));

@@ -22,28 +22,35 @@ SprungCoordinate read_sprung(const Joint& stated, std::size_t k, const RelativeM
 
 }  // namespace
 
-/// tau = actuator - resistance for each sprung coordinate, what of the resistance is there at rest being the spring's,
-/// and the rest the damper's; the coordinate wrench acts like the joint's own (C38).
+/// tau = actuator - resistance for each sprung coordinate; the coordinate wrench acts like the joint's own (C38).
 void exert_springs(const Joint& stated, const JointEquations& joint, double t, Regimes regimes, AppliedForce& applied) {
   applied.tau.setZero();
-  for (VecX& share : applied.shares) share.setZero();
   for (std::size_t k = 0; k < stated.springs.size(); ++k) {
     const JointSpring& spring = stated.springs[k];
     const auto [x, rate] = read_sprung(stated, k, joint.motion, applied);
     if (regimes == Regimes::own) applied.stop_regimes[k] = regime_at(spring.law, x, rate);
     const double resistance = evaluate_resistance(spring.law, applied.stop_regimes[k], x, rate).force;
-    const double at_rest = evaluate_resistance(spring.law, x, 0.0).force;
     const int u = first_u(*stated.type, spring.word) + spring.component;
-    const double actuator = evaluate_actuator(spring.law, t);
-    applied.shares[index(Actor::motor)](u) += actuator;
-    applied.shares[index(Actor::spring)](u) -= at_rest;
-    applied.shares[index(Actor::damper)](u) -= resistance - at_rest;
-    applied.tau(u) += actuator - resistance;
+    applied.tau(u) += evaluate_actuator(spring.law, t) - resistance;
   }
   const Vec6 in_C = coordinate_wrench(*stated.type, joint.motion, applied.tau);
   const Mat3& A_joint = joint.marker(Side::parent).A_joint;
   applied.on_child() = {A_joint * in_C.head<3>(), A_joint * in_C.tail<3>()};
   applied.on_parent() = opposite(applied.on_child(), joint.gap);
+}
+
+void add_spring_shares(const Joint& stated, const JointEquations& joint, double t, const AppliedForce& applied,
+                       std::array<VecX, kActors.size()>& shares) {
+  for (std::size_t k = 0; k < stated.springs.size(); ++k) {
+    const JointSpring& spring = stated.springs[k];
+    const auto [x, rate] = read_sprung(stated, k, joint.motion, applied);
+    const double resistance = evaluate_resistance(spring.law, applied.stop_regimes[k], x, rate).force;
+    const double at_rest = evaluate_resistance(spring.law, x, 0.0).force;
+    const int u = first_u(*stated.type, spring.word) + spring.component;
+    shares[index(Actor::motor)](u) += evaluate_actuator(spring.law, t);
+    shares[index(Actor::spring)](u) -= at_rest;
+    shares[index(Actor::damper)](u) -= resistance - at_rest;
+  }
 }
 
 int n_event_functions(const Joint& stated) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "cartesian/bodies/joint_equations.h"
 #include "cartesian/forces/applied_force.h"
 
@@ -8,6 +10,11 @@ namespace concord::cartesian {
 
 /// Writes coordinate forces and the wrenches on both sides, of a joint that is placed and moved.
 void exert_springs(const Joint& stated, const JointEquations& joint, double t, Regimes regimes, AppliedForce& applied);
+
+/// Adds what motors, springs and dampers contribute to the coordinate forces of a joint whose springs have been exerted
+/// at time t: of the resistance what is there at rest is the spring's, and the rest the damper's. Only reports ask.
+void add_spring_shares(const Joint& stated, const JointEquations& joint, double t, const AppliedForce& applied,
+                       std::array<VecX, kActors.size()>& shares);
 
 /// How many event functions the springs of a joint have; 0 if none has regimes.
 int n_event_functions(const Joint& stated);

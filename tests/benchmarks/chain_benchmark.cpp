@@ -66,7 +66,7 @@ class CartesianChain {
     for (const cartesian::JointIndex k : cartesian::indices_of(model_.joints)) {
       const cartesian::JointEquations& joint = equations_.moving_constraints().joint(k);
       const auto lambda = solution.lambda().segment(joint.first_row.value, joint.n_rows);
-      wrenches_[k.value] = cartesian::compute_wrenches(model_.joints[k.value], joint, lambda, nullptr);
+      cartesian::write_wrenches(model_.joints[k.value], joint, lambda, nullptr, wrenches_[k.value]);
     }
   }
   [[nodiscard]] Wrench reaction(int joint) const { return wrenches_[joint].reaction_on(Side::child).in_global; }
