@@ -87,6 +87,15 @@ PlacedConstraints& Constraints::place(const Eigen::Ref<const VecX>& q) {
   return static_cast<PlacedConstraints&>(*this);
 }
 
+MovingConstraints& Constraints::place_and_move(const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
+  for (const BodyIndex i : layout_.moving_bodies()) place_body(i, q);
+  for (const JointIndex k : joints()) {
+    place_and_move_joint(pick(model_.joints, k), layout_, rotations_, q, Y, joints_[k]);
+  }
+  for (CouplingEquations& coupling : couplings_) place_coupling(model_, joints_, coupling);
+  return static_cast<MovingConstraints&>(*this);
+}
+
 MovingConstraints& PlacedConstraints::move(const Eigen::Ref<const VecX>& Y) {
   for (const JointIndex k : joints()) move_joint(pick(model_.joints, k), layout_, rotations_, Y, joints_[k]);
   return static_cast<MovingConstraints&>(*this);
@@ -95,8 +104,7 @@ MovingConstraints& PlacedConstraints::move(const Eigen::Ref<const VecX>& Y) {
 void MovingConstraints::displace(JointIndex joint, BodyIndex body, const Eigen::Ref<const VecX>& q,
                                  const Eigen::Ref<const VecX>& Y) {
   place_body(body, q);
-  place_joint(pick(model_.joints, joint), layout_, rotations_, q, joints_[joint]);
-  move_joint(pick(model_.joints, joint), layout_, rotations_, Y, joints_[joint]);
+  place_and_move_joint(pick(model_.joints, joint), layout_, rotations_, q, Y, joints_[joint]);
 }
 
 void MovingConstraints::displace(const RowBlock& block, const Eigen::Ref<const VecX>& q,

@@ -15,8 +15,8 @@
 /// Constraint equations of all joints and couplings: residuals, Jacobians over the body velocities, gamma.
 ///
 /// What may be asked for follows from the type: of Constraints what holds in every state, of PlacedConstraints what
-/// follows from positions, of MovingConstraints what follows from velocities too. place() and move() alone lead from
-/// one to the next.
+/// follows from positions, of MovingConstraints what follows from velocities too. place() and move(), or both at
+/// once, alone lead from one to the next.
 namespace concord::cartesian {
 
 /// Constraint rows that follow each other and stand on one moving body: those of a joint on a side, or a coupling's.
@@ -74,6 +74,8 @@ class Constraints {
 
   /// Points, frames, residuals and Jacobians at positions q. What was placed or moved before is overwritten.
   PlacedConstraints& place(const Eigen::Ref<const VecX>& q);
+  /// The same, with velocities and accelerations at Ydot = 0 for velocities Y; each row is evaluated once.
+  MovingConstraints& place_and_move(const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
 
  private:
   friend class PlacedConstraints;  // and no other derives: every object is in truth a MovingConstraints

@@ -2,23 +2,33 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <utility>
 
 namespace concord::cartesian {
 
 namespace {
 
-/// A row's gradient over (d, rho) as force and torque at the side's point: on the child as it is, on the parent
-/// opposite and moved from P_i to P_j (C26).
+/// A row's gradient over (d, rho) as force and torque on the child at P_i, global axes.
+struct RowWrench {
+  Vec3 force;
+  Vec3 torque;
+
+  RowWrench(const JointEquations& joint, const ConstraintRow& row) {
+    const Mat3& A_joint = joint.marker(Side::parent).A_joint;
+    force.noalias() = A_joint * row.over_d;
+    torque.noalias() = A_joint * row.over_rho;
+  }
+};
+
+/// On the child as it is, on the parent opposite and moved from P_i to P_j (C26).
 template <class Column>
-void write_row(const JointEquations& joint, Side side, const ConstraintRow& row, Column&& column) {
-  const Mat3& A_joint = joint.marker(Side::parent).A_joint;
-  const Vec3 force = A_joint * row.over_d;
-  const Vec3 torque = A_joint * row.over_rho;
+void write_row(const JointEquations& joint, Side side, const RowWrench& wrench, Column&& column) {
   if (side == Side::child) {
-    write_generalized_force(joint.marker(side), force, torque, column);
+    write_generalized_force(joint.marker(side), wrench.force, wrench.torque, column);
   } else {
-    write_generalized_force(joint.marker(side), -force, -(torque + joint.gap.cross(force)), column);
+    write_generalized_force(joint.marker(side), -wrench.force, -(wrench.torque + joint.gap.cross(wrench.force)),
+                            column);
   }
 }
 
@@ -84,8 +94,10 @@ JointEquations make_joint_equations(const Joint& stated, const Layout& layout, R
   return joint;
 }
 
-void place_joint(const Joint& stated, const Layout& layout, const ByBody<Mat3>& rotations,
-                 const Eigen::Ref<const VecX>& q, JointEquations& joint) {
+namespace {
+
+void place_markers(const Joint& stated, const Layout& layout, const ByBody<Mat3>& rotations,
+                   const Eigen::Ref<const VecX>& q, JointEquations& joint) {
   for (const Side side : {Side::parent, Side::child}) {
     const Attachment& attachment = stated.on(side);
     const BodyIndex body = body_of(attachment);
@@ -100,20 +112,10 @@ void place_joint(const Joint& stated, const Layout& layout, const ByBody<Mat3>& 
   const Marker& on_child = joint.marker(Side::child);
   joint.gap = on_child.point - on_parent.point;
   place_relative(on_parent, on_child, joint.motion);
-  joint.motion.ddot.setZero();
-  joint.motion.omega.setZero();
-  evaluate_rows(stated, joint);
-  for (const Side side : {Side::parent, Side::child}) {
-    if (is_ground(body_of(stated.on(side)))) continue;
-    auto& Phi_Y_transposed = joint.Phi_Y_transposed[index(side)];
-    for (std::size_t row = 0; row < joint.rows.size(); ++row) {
-      write_row(joint, side, joint.rows[row], Phi_Y_transposed.col(static_cast<Eigen::Index>(row)));
-    }
-  }
 }
 
-void move_joint(const Joint& stated, const Layout& layout, const ByBody<Mat3>& rotations,
-                const Eigen::Ref<const VecX>& Y, JointEquations& joint) {  // (C14)
+void move_markers(const Joint& stated, const Layout& layout, const ByBody<Mat3>& rotations,
+                  const Eigen::Ref<const VecX>& Y, JointEquations& joint) {  // (C14)
   for (const Side side : {Side::parent, Side::child}) {
     const Attachment& attachment = stated.on(side);
     const BodyIndex body = body_of(attachment);
@@ -133,11 +135,46 @@ void move_joint(const Joint& stated, const Layout& layout, const ByBody<Mat3>& r
                        2.0 * omega_j.cross(closing) + omega_j.cross(carried));
   joint.angular_bias = A_joint.transpose() * (child.angular_velocity_bias - parent.angular_velocity_bias -
                                               omega_j.cross(child.angular_velocity));
+}
+
+void write_rows(const Joint& stated, JointEquations& joint) {
+  const std::array<bool, 2> moves = {!is_ground(body_of(stated.sides[0])), !is_ground(body_of(stated.sides[1]))};
+  for (std::size_t row = 0; row < joint.rows.size(); ++row) {
+    const RowWrench wrench(joint, joint.rows[row]);
+    for (const Side side : {Side::parent, Side::child}) {
+      if (!moves[index(side)]) continue;
+      write_row(joint, side, wrench, joint.Phi_Y_transposed[index(side)].col(static_cast<Eigen::Index>(row)));
+    }
+  }
+}
+
+}  // namespace
+
+void place_joint(const Joint& stated, const Layout& layout, const ByBody<Mat3>& rotations,
+                 const Eigen::Ref<const VecX>& q, JointEquations& joint) {
+  place_markers(stated, layout, rotations, q, joint);
+  joint.motion.ddot.setZero();
+  joint.motion.omega.setZero();
+  evaluate_rows(stated, joint);
+  write_rows(stated, joint);
+}
+
+void move_joint(const Joint& stated, const Layout& layout, const ByBody<Mat3>& rotations,
+                const Eigen::Ref<const VecX>& Y, JointEquations& joint) {
+  move_markers(stated, layout, rotations, Y, joint);
   evaluate_rows(stated, joint);
 }
 
+void place_and_move_joint(const Joint& stated, const Layout& layout, const ByBody<Mat3>& rotations,
+                          const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y, JointEquations& joint) {
+  place_markers(stated, layout, rotations, q, joint);
+  move_markers(stated, layout, rotations, Y, joint);
+  evaluate_rows(stated, joint);
+  write_rows(stated, joint);
+}
+
 void write_transposed(const JointEquations& joint, Side side, const ConstraintRow& row, Eigen::Ref<VecX> column) {
-  write_row(joint, side, row, column);
+  write_row(joint, side, RowWrench(joint, row), column);
 }
 
 }  // namespace concord::cartesian

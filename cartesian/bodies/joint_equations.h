@@ -83,6 +83,10 @@ void place_joint(const Joint& stated, const Layout& layout, const ByBody<Mat3>& 
 void move_joint(const Joint& stated, const Layout& layout, const ByBody<Mat3>& rotations,
                 const Eigen::Ref<const VecX>& Y, JointEquations& joint);
 
+/// Both at once.
+void place_and_move_joint(const Joint& stated, const Layout& layout, const ByBody<Mat3>& rotations,
+                          const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y, JointEquations& joint);
+
 /// Transposed Jacobian over Y of the side's body of any row of a placed joint, for rows that are no constraints.
 void write_transposed(const JointEquations& joint, Side side, const ConstraintRow& row, Eigen::Ref<VecX> column);
 

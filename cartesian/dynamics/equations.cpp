@@ -62,10 +62,8 @@ void Equations::update(double t, const Eigen::Ref<const VecX>& q, const Eigen::R
 void Equations::update_at(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
   t_ = t;
   Y_ = Y;
-  moving_ = &constraints_->place(q).move(Y);
-  moving_->write_residual(t, residual_);
-  moving_->write_velocity_residual(t, velocity_residual_);
-  has_row_sizes_ = false;
+  moving_ = &constraints_->place_and_move(q, Y);
+  has_residuals_ = has_row_sizes_ = false;
   for (const BodyIndex i : layout_.moving_bodies()) deformed_[i].update(layout_.a(q, i), layout_.adot(Y, i));
   for (const BodyIndex i : layout_.moving_bodies()) {
     deformed_[i].write_forces(moving_->rotation(i), layout_.omega(Y, i), model_.gravity, layout_.a(q, i),
@@ -73,6 +71,12 @@ void Equations::update_at(double t, const Eigen::Ref<const VecX>& q, const Eigen
   }
   applied_.update(*moving_, t, q, Y);
   applied_.add_to(forces_);
+}
+
+void Equations::compute_residuals() const {
+  moving_->write_residual(t_, residual_);
+  moving_->write_velocity_residual(t_, velocity_residual_);
+  has_residuals_ = true;
 }
 
 /// Of a row among a joint's (C45).

@@ -52,8 +52,14 @@ class Equations {
   [[nodiscard]] double time() const { return t_; }
   [[nodiscard]] const VecX& Y() const { return Y_; }
   /// Phi and Phi_Y Y + Phi_t, all rows.
-  [[nodiscard]] const VecX& residual() const { return residual_; }
-  [[nodiscard]] const VecX& velocity_residual() const { return velocity_residual_; }
+  [[nodiscard]] const VecX& residual() const {
+    if (!has_residuals_) compute_residuals();
+    return residual_;
+  }
+  [[nodiscard]] const VecX& velocity_residual() const {
+    if (!has_residuals_) compute_residuals();
+    return velocity_residual_;
+  }
   /// Norm of each constraint row over Y in the machine's units: what its residual is measured by; a coupling's is the
   /// sum of its terms' norms, so that one whose terms cancel is seen to be small. Zero for a row that vanishes.
   [[nodiscard]] const VecX& row_sizes() const {
@@ -75,6 +81,7 @@ class Equations {
 
  private:
   void update_at(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
+  void compute_residuals() const;
   void measure_rows() const;
   [[nodiscard]] double size_of(JointIndex joint, int own) const;
 
@@ -90,9 +97,11 @@ class Equations {
   double t_ = 0.0;
   VecX Y_;
   VecX forces_;
-  VecX residual_;
-  VecX velocity_residual_;
-  mutable VecX row_sizes_;  // computed when they are asked for
+  // Computed when they are asked for:
+  mutable VecX residual_;
+  mutable VecX velocity_residual_;
+  mutable VecX row_sizes_;
+  mutable bool has_residuals_ = false;
   mutable bool has_row_sizes_ = false;
 };
 
