@@ -40,7 +40,8 @@ InertiaElimination::InertiaElimination(const Equations& equations, const ByBody<
     part.M.setZero(6, 6 + part.n_modes);
     part.coupling.setZero(6, part.n_modes);
     part.modal.setZero(part.n_modes);
-    part.modal_terms.setZero(part.n_modes);
+    part.terms.setZero(6 + part.n_modes);
+    part.sizes.setZero(6 + part.n_modes);
     parts_.push_back(std::move(part));
   }
   residual_.setZero(n_Y_ + equations.constraints().n_rows());
@@ -154,7 +155,9 @@ void InertiaElimination::read_rows(const Equations& equations, Leg& leg) {
   const Eigen::Ref<const MatX> columns = equations.moving_constraints().columns(blocks_[leg.block]);
   for (std::size_t row = 0; row < leg.own.size(); ++row) {
     const double* of_row = columns.col(leg.own[row]).data();
-    for (Eigen::Index c = 0; c < leg.J.cols(); ++c) leg.J(static_cast<Eigen::Index>(row), c) = of_row[c];
+    double* to = leg.J.data() + row;
+    for (int c = 0; c < 6; ++c) to[6 * c] = of_row[c];
+    for (Eigen::Index c = 6; c < leg.J.cols(); ++c) to[6 * c] = of_row[c];
   }
 }
 
@@ -267,41 +270,50 @@ void InertiaElimination::correct(VecX& x) {
 /// Of a body's own equations; adds its part to those of the rows.
 bool InertiaElimination::is_balanced(Part& part, const VecX& right_side, const VecX& x, const VecX& least,
                                      double good_enough) {
-  const int m = part.n_modes;
-  const auto own = x.segment(part.first_Y, 6 + m);
-  const auto at_least = least.segment(part.first_Y, 6 + m);
-  Vec6 rigid = right_side.segment<6>(part.first_Y);
-  Vec6 rigid_terms = rigid.cwiseAbs();
-  part.modal = right_side.segment(part.first_Y + 6, m);
-  part.modal_terms = part.modal.cwiseAbs();
-  for (int c = 0; c < 6 + m; ++c) {
-    rigid -= own(c) * part.M.col(c);
-    rigid_terms += std::max(std::abs(own(c)), at_least(c)) * part.M.col(c).cwiseAbs();
+  const int n = 6 + part.n_modes;
+  const double* own = x.data() + part.first_Y;
+  double* left = residual_.data() + part.first_Y;
+  double* terms = part.terms.data();
+  for (int c = 0; c < n; ++c) {
+    part.sizes(c) = std::max(std::abs(own[c]), least(part.first_Y + c));
+    left[c] = right_side(part.first_Y + c);
+    terms[c] = std::abs(left[c]);
   }
-  for (int c = 0; c < m; ++c) {
-    part.modal(c) -= part.M.col(6 + c).dot(own.head<6>()) + part.modal_mass.col(c).dot(own.tail(m));
-    part.modal_terms(c) += part.M.col(6 + c).cwiseAbs().dot(own.head<6>().cwiseAbs().cwiseMax(at_least.head<6>())) +
-                           part.modal_mass.col(c).cwiseAbs().dot(own.tail(m).cwiseAbs().cwiseMax(at_least.tail(m)));
+  Vec6 rigid = Vec6::Zero();
+  Vec6 rigid_terms = Vec6::Zero();
+  for (int c = 0; c < n; ++c) {
+    rigid += own[c] * part.M.col(c);
+    rigid_terms += part.sizes(c) * part.M.col(c).cwiseAbs();
+  }
+  for (int c = 0; c < part.n_modes; ++c) {
+    left[6 + c] -= part.M.col(6 + c).dot(x.segment<6>(part.first_Y)) +
+                   part.modal_mass.col(c).dot(x.segment(part.first_Y + 6, part.n_modes));
+    terms[6 + c] += part.M.col(6 + c).cwiseAbs().dot(part.sizes.head<6>()) +
+                    part.modal_mass.col(c).cwiseAbs().dot(part.sizes.tail(part.n_modes));
+  }
+  for (int c = 0; c < 6; ++c) {
+    left[c] -= rigid(c);
+    terms[c] += rigid_terms(c);
   }
   for (const Leg& leg : legs_of(part)) {
     const Vec6 lambda = multipliers_.col(leg.node);
     const Vec6 sizes = lambda.cwiseAbs();
     Vec6 of_rows = row_residuals_.col(leg.node);
-    Vec6 terms = row_terms_.col(leg.node);
-    for (int c = 0; c < 6 + m; ++c) {
+    Vec6 of_row_terms = row_terms_.col(leg.node);
+    for (int c = 0; c < n; ++c) {
       const Vec6 column = leg.J.col(c);
-      of_rows -= own(c) * column;
-      terms += std::max(std::abs(own(c)), at_least(c)) * column.cwiseAbs();
-      (c < 6 ? rigid(c) : part.modal(c - 6)) -= column.dot(lambda);
-      (c < 6 ? rigid_terms(c) : part.modal_terms(c - 6)) += column.cwiseAbs().dot(sizes);
+      const Vec6 size = column.cwiseAbs();
+      of_rows -= own[c] * column;
+      of_row_terms += part.sizes(c) * size;
+      left[c] -= column.dot(lambda);
+      terms[c] += size.dot(sizes);
     }
     row_residuals_.col(leg.node) = of_rows;
-    row_terms_.col(leg.node) = terms;
+    row_terms_.col(leg.node) = of_row_terms;
   }
-  residual_.segment<6>(part.first_Y) = rigid;
-  residual_.segment(part.first_Y + 6, m) = part.modal;
-  return (rigid.array().abs() <= good_enough * rigid_terms.array()).all() &&
-         (part.modal.array().abs() <= good_enough * part.modal_terms.array()).all();
+  bool is_good = true;
+  for (int c = 0; c < n; ++c) is_good = is_good && std::abs(left[c]) <= good_enough * terms[c];
+  return is_good;
 }
 
 }  // namespace concord::cartesian

@@ -48,7 +48,8 @@ class InertiaElimination {
     Vec6 inverse_D_rigid;
     Vec6 rigid;  // what is solved for
     VecX modal;
-    VecX modal_terms;
+    VecX sizes;  // of accelerations, and of terms of the body's equations
+    VecX terms;
     int first_leg = 0;
     int n_legs = 0;
     std::vector<int> places;  // in S, of each leg with those before it and with itself
