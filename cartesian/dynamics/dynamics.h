@@ -61,6 +61,8 @@ class Dynamics {  // (C40)
 
   /// Accelerations that generalized forces (n_Y rows) cause by themselves at the last solution, as joints let them.
   void accelerate(const Eigen::Ref<const VecX>& forces, Eigen::Ref<VecX> accelerations);
+  /// Whether the inertias are eliminated between steps, as the last solution with fresh pivots found it good.
+  [[nodiscard]] bool eliminates_inertias() const { return eliminates_; }
 
   /// A constraint row that takes no part because it depends on others, and whose accelerations those others contradict:
   /// the worst of those that miss by more than kContradiction of the machine's accelerations, if any.

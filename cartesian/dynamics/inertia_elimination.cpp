@@ -95,7 +95,7 @@ void InertiaElimination::lay_out(const std::vector<std::vector<int>>& rows,
     for (NodeOfBlock& one : own) one.node = turn[one.node];
     std::sort(own.begin(), own.end(), [](const auto& one, const auto& other) { return one.node < other.node; });
   }
-  S_ = BlockLdlt(n, pairs_of());
+  H_ = BlockLdlt(n, pairs_of());
   multipliers_.setZero(6, n);
   row_residuals_.setZero(6, n);
   row_terms_.setZero(6, n);
@@ -116,15 +116,15 @@ void InertiaElimination::add_legs(Part& part, const std::vector<NodeOfBlock>& ow
     leg.W = leg.J;
     legs_.push_back(std::move(leg));
     for (const NodeOfBlock& before : own) {
-      if (before.node <= one.node) part.places.push_back(S_.find(one.node, before.node));
+      if (before.node <= one.node) part.places.push_back(H_.find(one.node, before.node));
     }
   }
 }
 
 bool InertiaElimination::factor(const Equations& equations) {
-  S_.set_zero();
+  H_.set_zero();
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    Mat6& own = S_.block(static_cast<int>(k));
+    Mat6& own = H_.block(static_cast<int>(k));
     for (int row = static_cast<int>(nodes_[k].size()); row < kNodeSize; ++row) own(row, row) = 1.0;
   }
   for (Part& part : parts_) {
@@ -135,10 +135,10 @@ bool InertiaElimination::factor(const Equations& equations) {
     }
     add_to_rows(part);
   }
-  return S_.factor(kLeastPivot);
+  return H_.factor(kLeastPivot);
 }
 
-bool InertiaElimination::factor_inertia(const Equations& equations, Part& part) {
+bool InertiaElimination::factor_inertia(const Equations& equations, Part& part) {  // (C60)
   if (!part.has_regular_modes) return false;
   equations.write_rigid_rows(part.body, part.M);
   part.L_rigid = part.M.leftCols<6>();
@@ -161,7 +161,7 @@ void InertiaElimination::read_rows(const Equations& equations, Leg& leg) {
   }
 }
 
-void InertiaElimination::divide_by_inertia(const Part& part, Leg& leg) {
+void InertiaElimination::divide_by_inertia(const Part& part, Leg& leg) {  // (C61)
   leg.W = leg.J;
   auto rigid = leg.W.leftCols<6>();
   if (part.n_modes > 0) {
@@ -172,15 +172,15 @@ void InertiaElimination::divide_by_inertia(const Part& part, Leg& leg) {
   divide_rows(part.L_rigid, rigid);
 }
 
-/// S += W D^-1 W^T of all pairs of nodes on a body.
-void InertiaElimination::add_to_rows(const Part& part) {
+/// H += W D^-1 W^T of all pairs of nodes on a body.
+void InertiaElimination::add_to_rows(const Part& part) {  // (C61)
   auto place = part.places.begin();
   for (int row = part.first_leg; row < part.first_leg + part.n_legs; ++row) {
     const Mat6X& W_row = legs_[row].W;
     for (int column = part.first_leg; column <= row; ++column) {
       const Mat6X& W_column = legs_[column].W;
       const int n = static_cast<int>(legs_[column].own.size());
-      Mat6& block = S_.block(*place++);
+      Mat6& block = H_.block(*place++);
       add_product<1>(W_row.leftCols<6>(), part.inverse_D_rigid, W_column.leftCols<6>(), block, n);
       if (part.n_modes == 0) continue;
       add_product<1>(W_row.rightCols(part.n_modes), part.inverse_D_modal, W_column.rightCols(part.n_modes), block, n);
@@ -188,14 +188,14 @@ void InertiaElimination::add_to_rows(const Part& part) {
   }
 }
 
-void InertiaElimination::solve(VecX& x) {  // (C40d)
+void InertiaElimination::solve(VecX& x) {
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     for (std::size_t row = 0; row < nodes_[k].size(); ++row) {
       multipliers_(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(k)) = -x(n_Y_ + nodes_[k][row]);
     }
   }
   for (Part& part : parts_) eliminate(part, x);
-  S_.solve(multipliers_);
+  H_.solve(multipliers_);
   for (Part& part : parts_) substitute(part, x);
   x.tail(x.size() - n_Y_).setZero();
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
@@ -205,7 +205,7 @@ void InertiaElimination::solve(VecX& x) {  // (C40d)
   }
 }
 
-/// y = L^-1 f, and W D^-1 y to the right sides of the rows.
+/// y = L^-1 f, and W D^-1 y to the right sides of the rows (C62).
 void InertiaElimination::eliminate(Part& part, const VecX& x) {
   part.rigid = x.segment<6>(part.first_Y);
   for (int c = 0; c < part.n_modes; ++c) {
@@ -223,7 +223,7 @@ void InertiaElimination::eliminate(Part& part, const VecX& x) {
   }
 }
 
-/// L^-T D^-1 (y - W^T lambda).
+/// L^-T D^-1 (y - W^T lambda) (C62).
 void InertiaElimination::substitute(Part& part, VecX& x) {
   for (const Leg& leg : legs_of(part)) {
     const Vec6 lambda = multipliers_.col(leg.node);

@@ -10,7 +10,7 @@
 namespace concord::cartesian {
 
 /// Solves the equations of motion by eliminating the inertias, which couple no two bodies, and then the constraint rows
-/// (C40a): M = L D L^T body by body, the modes first, and J M^-1 J^T = S over the rows in use, a block for each joint
+/// (C60): M = L D L^T body by body, the modes first, and J M^-1 J^T = H over the rows in use, a block for each joint
 /// or coupling, in an order that is chosen when the rows change. For machines whose bodies all have inertia in every
 /// direction, and whose rows are independent; others are told and left to the LU factors of the whole matrix.
 class InertiaElimination {
@@ -52,9 +52,9 @@ class InertiaElimination {
     VecX terms;
     int first_leg = 0;
     int n_legs = 0;
-    std::vector<int> places;  // in S, of each leg with those before it and with itself
+    std::vector<int> places;  // in H, of each leg with those before it and with itself
   };
-  /// The rows of one node on one body: J, and W = J L^-T, so that S is a sum of W D^-1 W^T.
+  /// The rows of one node on one body: J, and W = J L^-T, so that H is a sum of W D^-1 W^T.
   struct Leg {
     int node = 0;
     std::size_t block = 0;
@@ -86,7 +86,7 @@ class InertiaElimination {
   std::vector<Part> parts_;
   std::vector<Leg> legs_;                // by body, nodes ascending
   std::vector<std::vector<int>> nodes_;  // in the order of elimination: rows of the machine, at most six each
-  BlockLdlt S_;
+  BlockLdlt H_;
   Mat6X multipliers_;  // by node
   Mat6X row_residuals_;
   Mat6X row_terms_;

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <functional>
 #include <memory>
 
 #include "cartesian/dynamics/equations.h"
+#include "cartesian/forces/joint_springs.h"
 #include "cartesian/rank/closing.h"
 #include "common/error.h"
 #include "common/joints/catalogue.h"
@@ -199,6 +201,7 @@ TEST(AppliedForces, SpringOnEveryCoordinateOfEveryTypePushesItAndCountsTurns) {
       SCOPED_TRACE(type->name + ", word " + std::to_string(word));
       Model model = testing::make_pair(31, *type, 2, 1);
       model.joints.front().springs.push_back({static_cast<int>(word), spring_and_damper(20.0, 3.0, 0.1)});
+      model.joints.front().springs.front().law.actuator = ConstantSpeed{0.7, 1.3};
       Equations equations(model);
       Numbers numbers(32);
       VecX q;
@@ -220,9 +223,18 @@ TEST(AppliedForces, SpringOnEveryCoordinateOfEveryTypePushesItAndCountsTurns) {
       known(first_q(*type, static_cast<int>(word))) = row.value + turns + 0.5;
       equations.applied().count_turns_from({known});
       equations.update(0.0, q, Y);
-      const double tau = -20.0 * (row.value + turns - 0.1) - 3.0 * rate;
+      const double at_rest = -20.0 * (row.value + turns - 0.1);
+      const double tau = 0.7 + at_rest - 3.0 * rate;
       const AppliedForce& springs = *equations.applied().springs_of(JointIndex(0));
-      EXPECT_NEAR(springs.tau(first_u(*type, static_cast<int>(word))), tau, 1e-11 * std::abs(tau));
+      const int u = first_u(*type, static_cast<int>(word));
+      EXPECT_NEAR(springs.tau(u), tau, 1e-11 * std::abs(tau));
+      std::array<VecX, kActors.size()> shares;
+      shares.fill(VecX::Zero(type->n_u()));
+      const JointEquations& joint = equations.moving_constraints().joint(JointIndex(0));
+      add_spring_shares(model.joints.front(), joint, 0.0, springs, shares);
+      EXPECT_NEAR(shares[index(Actor::motor)](u), 0.7, 1e-15);
+      EXPECT_NEAR(shares[index(Actor::spring)](u), at_rest, 1e-11 * std::abs(at_rest));
+      EXPECT_NEAR(shares[index(Actor::damper)](u), -3.0 * rate, 1e-11 * (std::abs(at_rest) + std::abs(rate)));
       EXPECT_NEAR(equations.applied().power(Y), tau * rate, 1e-10 * (1.0 + std::abs(tau)));
     }
   }
