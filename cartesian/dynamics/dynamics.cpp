@@ -30,6 +30,7 @@ void Dynamics::use_rows(const std::vector<bool>& active) {
   active_ = active;
   matrix_.use_rows(active);
   elimination_.use_rows(active);
+  is_eliminated_ = false;
   projection_.use_rows(active);
   has_new_rows_ = true;
 }
@@ -69,7 +70,8 @@ void Dynamics::measure_least_unknowns() {
 
 namespace {
 
-/// Of the terms of each equation, between steps.
+/// Residuals of equations as parts of their terms: round-off of a solution, and what is good enough between steps.
+constexpr double kRoundOff = 1e-14;
 constexpr double kGoodEnough = 1e-12;
 
 }  // namespace
@@ -81,10 +83,12 @@ bool Dynamics::solve_by_elimination() {
   elimination_.solve(unknowns_);
   measure_least_unknowns();
   if (refinement_ != Refinement::exact) {
-    const bool is_good = elimination_.is_good_enough(right_side_, unknowns_, least_unknowns_, kGoodEnough);
-    if (is_good && refinement_ == Refinement::none) return true;
+    const auto is_within = [&](double part) {
+      return elimination_.is_good_enough(right_side_, unknowns_, least_unknowns_, part);
+    };
+    if (is_within(kRoundOff) && refinement_ == Refinement::none) return true;
     elimination_.correct(unknowns_);
-    if (is_good || elimination_.is_good_enough(right_side_, unknowns_, least_unknowns_, kGoodEnough)) return true;
+    if (is_within(kGoodEnough)) return true;
   }
   matrix_.fill(equations_);
   return matrix_.lu().improve(right_side_, unknowns_, [this](VecX& rest) { elimination_.solve(rest); });

@@ -238,17 +238,16 @@ void SparseLu::begin_solving(const VecX& right_side) {
 void SparseLu::solve_scaled(VecX& x) { klu_solve(klu_->symbolic, klu_->numeric, size(), 1, x.data(), &klu_->common); }
 
 template <class SolveScaled>
-bool SparseLu::refine(const SolveScaled& solve_scaled) {
+bool SparseLu::refine(double enough, const SolveScaled& solve_scaled) {
   constexpr double kFirstAllowed = 1e-2;                               // correction of the solution
   constexpr double kLeastNormal = std::numeric_limits<double>::min();  // smaller numbers have few digits
   constexpr double kFalling = 0.5;
   constexpr int kMaxRounds = 6;
   const auto largest = [](const VecX& vector) { return vector.lpNorm<Eigen::Infinity>(); };
   bool is_good = true;
-  write_exact_residual();
-  // A round more than round-off of the largest asks for: the smaller ones have theirs.
   double last = HUGE_VAL;
-  for (int round = 0; round < kMaxRounds && last > std::numeric_limits<double>::epsilon(); ++round) {
+  for (int round = 0; round < kMaxRounds && last > enough; ++round) {
+    write_exact_residual();
     solve_scaled(residual_);
     const double size_of_solution = largest(solution_);
     const double correction = size_of_solution > 0.0 ? largest(residual_) / size_of_solution : 0.0;
@@ -260,9 +259,13 @@ bool SparseLu::refine(const SolveScaled& solve_scaled) {
     if (!is_good || !(correction < kFalling * last)) break;
     solution_ += residual_;
     last = last_correction_ = correction;
-    write_exact_residual();
   }
   return is_good;
+}
+
+/// A round more than round-off of the largest asks for: the smaller ones have theirs.
+bool SparseLu::refine_by_factors() {
+  return refine(std::numeric_limits<double>::epsilon(), [this](VecX& rest) { solve_scaled(rest); });
 }
 
 bool SparseLu::end_solving(bool is_good, VecX& x) const {
@@ -271,23 +274,23 @@ bool SparseLu::end_solving(bool is_good, VecX& x) const {
 }
 
 bool SparseLu::improve(const VecX& right_side, VecX& x, const std::function<void(VecX&)>& solve_nearly) {
-  constexpr double kConverged = 1e-12;
+  constexpr double kEnough = 1e-10;  // the next correction is as small a part of this one as this of the solution
   if (size() == 0) return true;
   scale(false);
-  first_correction_.setZero(size());
-  relative_correction_ = last_correction_ = 0.0;
+  last_correction_ = 0.0;
   right_side_ = right_side.cwiseProduct(row_scales_);
-  for (int place = 0; place < size(); ++place)
-    solution_(place) = is_idle(place) ? 0.0 : x(place) / column_scales_(place);
-  const auto solve_scaled = [&](VecX& rest) {
-    for (int place = 0; place < size(); ++place) rest(place) = is_idle(place) ? 0.0 : rest(place) / row_scales_(place);
-    solve_nearly(rest);
-    for (int place = 0; place < size(); ++place) {
-      rest(place) = is_idle(place) ? 0.0 : rest(place) / column_scales_(place);
-    }
+  const auto divide = [this](VecX& numbers, const VecX& scales) {
+    for (int place = 0; place < size(); ++place) numbers(place) = is_idle(place) ? 0.0 : numbers(place) / scales(place);
   };
-  const bool is_good = solution_.allFinite() && refine(solve_scaled);
-  return end_solving(is_good && last_correction_ <= kConverged, x);
+  solution_ = x;
+  divide(solution_, column_scales_);
+  const auto solve_nearly_scaled = [&](VecX& rest) {
+    divide(rest, row_scales_);
+    solve_nearly(rest);
+    divide(rest, column_scales_);
+  };
+  const bool is_good = solution_.allFinite() && refine(kEnough, solve_nearly_scaled);
+  return end_solving(is_good && last_correction_ <= kEnough, x);
 }
 
 double SparseLu::relative_size(const VecX& x, const VecX& y) const {
@@ -309,8 +312,7 @@ bool SparseLu::solve_refined(VecX& x, double good_enough) {
     write_rough_residual();
     return residual_.lpNorm<Eigen::Infinity>() <= good_enough * right_side_.lpNorm<Eigen::Infinity>();
   };
-  return end_solving(solution_.allFinite() && (is_good_enough() || refine([this](VecX& rest) { solve_scaled(rest); })),
-                     x);
+  return end_solving(solution_.allFinite() && (is_good_enough() || refine_by_factors()), x);
 }
 
 bool SparseLu::solve_equation_by_equation(VecX& x, double good_enough, const VecX& least) {
@@ -321,8 +323,7 @@ bool SparseLu::solve_equation_by_equation(VecX& x, double good_enough, const Vec
     write_terms(least);
     return (residual_.array().abs() <= good_enough * terms_.array()).all();
   };
-  return end_solving(solution_.allFinite() && (is_good_enough() || refine([this](VecX& rest) { solve_scaled(rest); })),
-                     x);
+  return end_solving(solution_.allFinite() && (is_good_enough() || refine_by_factors()), x);
 }
 
 }  // namespace concord::cartesian

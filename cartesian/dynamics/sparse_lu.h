@@ -55,8 +55,8 @@ class SparseLu {
   /// these no unknown counts as less than its entry of `least` (zero: any is as small as it is). So the small terms of
   /// a light body's equations count as much as those of its heavy neighbours, which they lead.
   bool solve_equation_by_equation(VecX& x, double good_enough, const VecX& least);
-  /// Improves x, a solution of the matrix as its values are, with what solves it nearly in place of the factors. False
-  /// if that leads to no solution of double precision.
+  /// Improves x, a solution of the matrix as its values are, from residuals in twice the precision, with what solves it
+  /// nearly in place of the factors. False if the corrections do not fall to where the next would be round-off.
   bool improve(const VecX& right_side, VecX& x, const std::function<void(VecX&)>& solve_nearly);
   /// The first correction of the last solution, a measure of how the condition magnifies round-off; zeros if
   /// there was none.
@@ -75,9 +75,10 @@ class SparseLu {
   [[nodiscard]] bool is_idle(int place) const { return !idle_.empty() && idle_[place]; }
   void begin_solving(const VecX& right_side);
   [[nodiscard]] bool end_solving(bool is_good, VecX& x) const;
-  /// With what solves the scaled system in place.
+  /// With what solves the scaled system in place, until a correction is no larger a part of the solution than `enough`.
   template <class SolveScaled>
-  bool refine(const SolveScaled& solve_scaled);
+  bool refine(double enough, const SolveScaled& solve_scaled);
+  bool refine_by_factors();
   void solve_scaled(VecX& x);
   /// Of the scaled equations, in double precision or as if in twice that.
   void write_rough_residual();
