@@ -71,7 +71,7 @@ void Dynamics::measure_least_unknowns() {
 namespace {
 
 /// Residuals of equations as parts of their terms: round-off of a solution, and what is good enough between steps.
-constexpr double kRoundOff = 1e-14;
+constexpr double kRoundOff = 1e-15;
 constexpr double kGoodEnough = 1e-12;
 
 }  // namespace
@@ -83,12 +83,10 @@ bool Dynamics::solve_by_elimination() {
   elimination_.solve(unknowns_);
   measure_least_unknowns();
   if (refinement_ != Refinement::exact) {
-    const auto is_within = [&](double part) {
-      return elimination_.is_good_enough(right_side_, unknowns_, least_unknowns_, part);
-    };
-    if (is_within(kRoundOff) && refinement_ == Refinement::none) return true;
+    const double residual = elimination_.largest_residual(right_side_, unknowns_, least_unknowns_);
+    if (residual <= kRoundOff && refinement_ == Refinement::none) return true;
     elimination_.correct(unknowns_);
-    if (is_within(kGoodEnough)) return true;
+    if (residual <= kGoodEnough) return true;
   }
   matrix_.fill(equations_);
   return matrix_.lu().improve(right_side_, unknowns_, [this](VecX& rest) { elimination_.solve(rest); });
@@ -135,7 +133,7 @@ void Dynamics::judge_elimination() {
   if (!eliminates_) return;
   refinement_ = Refinement::none;
   if (!loses_digits(departure(), error_)) return;
-  (void)elimination_.is_good_enough(right_side_, trial_, least_unknowns_, kGoodEnough);
+  (void)elimination_.largest_residual(right_side_, trial_, least_unknowns_);
   elimination_.correct(trial_);
   refinement_ = loses_digits(departure(), error_) ? Refinement::exact : Refinement::rough;
 }

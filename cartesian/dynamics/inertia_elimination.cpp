@@ -26,6 +26,10 @@ bool factor_modes(const MatX& mass, MatX& L, VecX& inverse_D) {
   return true;
 }
 
+double part_of(double residual, double terms) { return residual == 0.0 ? 0.0 : std::abs(residual) / terms; }
+/// What is no number counts as larger.
+double larger(double one, double other) { return one > other || std::isnan(one) ? one : other; }
+
 }  // namespace
 
 InertiaElimination::InertiaElimination(const Equations& equations, const ByBody<MatX>& modal_masses)
@@ -241,7 +245,7 @@ void InertiaElimination::substitute(Part& part, VecX& x) {
   x.segment(part.first_Y + 6, part.n_modes) = part.modal;
 }
 
-bool InertiaElimination::is_good_enough(const VecX& right_side, const VecX& x, const VecX& least, double good_enough) {
+double InertiaElimination::largest_residual(const VecX& right_side, const VecX& x, const VecX& least) {
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const auto node = static_cast<Eigen::Index>(k);
     for (std::size_t own = 0; own < nodes_[k].size(); ++own) {
@@ -251,15 +255,18 @@ bool InertiaElimination::is_good_enough(const VecX& right_side, const VecX& x, c
     }
   }
   row_terms_ = row_residuals_.cwiseAbs();
-  bool is_good = true;
-  for (Part& part : parts_) is_good = is_balanced(part, right_side, x, least, good_enough) && is_good;
+  double largest = 0.0;
+  for (Part& part : parts_) largest = larger(residual_of(part, right_side, x, least), largest);
   residual_.tail(residual_.size() - n_Y_).setZero();
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const auto node = static_cast<Eigen::Index>(k);
     for (std::size_t own = 0; own < nodes_[k].size(); ++own) {
-      residual_(n_Y_ + nodes_[k][own]) = row_residuals_(static_cast<Eigen::Index>(own), static_cast<Eigen::Index>(k));
+      const auto row = static_cast<Eigen::Index>(own);
+      residual_(n_Y_ + nodes_[k][own]) = row_residuals_(row, node);
+      largest = larger(part_of(row_residuals_(row, node), row_terms_(row, node)), largest);
     }
   }
-  return is_good && (row_residuals_.array().abs() <= good_enough * row_terms_.array()).all();
+  return largest;
 }
 
 void InertiaElimination::correct(VecX& x) {
@@ -268,8 +275,7 @@ void InertiaElimination::correct(VecX& x) {
 }
 
 /// Of a body's own equations; adds its part to those of the rows.
-bool InertiaElimination::is_balanced(Part& part, const VecX& right_side, const VecX& x, const VecX& least,
-                                     double good_enough) {
+double InertiaElimination::residual_of(Part& part, const VecX& right_side, const VecX& x, const VecX& least) {
   const int n = 6 + part.n_modes;
   const double* own = x.data() + part.first_Y;
   double* left = residual_.data() + part.first_Y;
@@ -311,9 +317,9 @@ bool InertiaElimination::is_balanced(Part& part, const VecX& right_side, const V
     row_residuals_.col(leg.node) = of_rows;
     row_terms_.col(leg.node) = of_row_terms;
   }
-  bool is_good = true;
-  for (int c = 0; c < n; ++c) is_good = is_good && std::abs(left[c]) <= good_enough * terms[c];
-  return is_good;
+  double largest = 0.0;
+  for (int c = 0; c < n; ++c) largest = larger(part_of(left[c], terms[c]), largest);
+  return largest;
 }
 
 }  // namespace concord::cartesian

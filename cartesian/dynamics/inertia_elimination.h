@@ -26,9 +26,9 @@ class InertiaElimination {
   [[nodiscard]] bool factor(const Equations& equations);
   /// Solves in place: [f; gamma] becomes [Ydot; lambda], zero for rows that take no part.
   void solve(VecX& x);
-  /// Whether the residual of each equation, in double precision, is at most this part of the sizes of its terms; in
-  /// these no acceleration counts as less than its entry of `least`.
-  [[nodiscard]] bool is_good_enough(const VecX& right_side, const VecX& x, const VecX& least, double good_enough);
+  /// The largest residual of an equation, in double precision, as a part of the sizes of its terms; in these no
+  /// acceleration counts as less than its entry of `least`.
+  [[nodiscard]] double largest_residual(const VecX& right_side, const VecX& x, const VecX& least);
   /// Improves the x that was judged last by what solves its residual.
   void correct(VecX& x);
 
@@ -78,8 +78,7 @@ class InertiaElimination {
   void add_to_rows(const Part& part);
   void eliminate(Part& part, const VecX& x);
   void substitute(Part& part, VecX& x);
-  [[nodiscard]] bool is_balanced(Part& part, const VecX& right_side, const VecX& x, const VecX& least,
-                                 double good_enough);
+  [[nodiscard]] double residual_of(Part& part, const VecX& right_side, const VecX& x, const VecX& least);
 
   int n_Y_;
   const std::vector<RowBlock>& blocks_;
