@@ -37,7 +37,7 @@ void divide_rows(const Lower& L, Rows&& X) {
 
 /// Symmetric positive definite matrix of blocks of 6 x 6 in a frozen pattern, and its factors L D L^T in the order of
 /// its block rows: the fill is decided once, numbers as often as they change. A chain is block tridiagonal and has no
-/// fill (C61).
+/// fill (C66).
 class BlockLdlt {
  public:
   using Pair = std::pair<int, int>;

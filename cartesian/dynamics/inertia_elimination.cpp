@@ -142,7 +142,7 @@ bool InertiaElimination::factor(const Equations& equations) {
   return H_.factor(kLeastPivot);
 }
 
-bool InertiaElimination::factor_inertia(const Equations& equations, Part& part) {  // (C60)
+bool InertiaElimination::factor_inertia(const Equations& equations, Part& part) {  // (C65)
   if (!part.has_regular_modes) return false;
   equations.write_rigid_rows(part.body, part.M);
   part.L_rigid = part.M.leftCols<6>();
@@ -165,7 +165,7 @@ void InertiaElimination::read_rows(const Equations& equations, Leg& leg) {
   }
 }
 
-void InertiaElimination::divide_by_inertia(const Part& part, Leg& leg) {  // (C61)
+void InertiaElimination::divide_by_inertia(const Part& part, Leg& leg) {  // (C66)
   leg.W = leg.J;
   auto rigid = leg.W.leftCols<6>();
   if (part.n_modes > 0) {
@@ -177,7 +177,7 @@ void InertiaElimination::divide_by_inertia(const Part& part, Leg& leg) {  // (C6
 }
 
 /// H += W D^-1 W^T of all pairs of nodes on a body.
-void InertiaElimination::add_to_rows(const Part& part) {  // (C61)
+void InertiaElimination::add_to_rows(const Part& part) {  // (C66)
   auto place = part.places.begin();
   for (int row = part.first_leg; row < part.first_leg + part.n_legs; ++row) {
     const Mat6X& W_row = legs_[row].W;
@@ -209,7 +209,7 @@ void InertiaElimination::solve(VecX& x) {
   }
 }
 
-/// y = L^-1 f, and W D^-1 y to the right sides of the rows (C62).
+/// y = L^-1 f, and W D^-1 y to the right sides of the rows (C67).
 void InertiaElimination::eliminate(Part& part, const VecX& x) {
   part.rigid = x.segment<6>(part.first_Y);
   for (int c = 0; c < part.n_modes; ++c) {
@@ -227,7 +227,7 @@ void InertiaElimination::eliminate(Part& part, const VecX& x) {
   }
 }
 
-/// L^-T D^-1 (y - W^T lambda) (C62).
+/// L^-T D^-1 (y - W^T lambda) (C67).
 void InertiaElimination::substitute(Part& part, VecX& x) {
   for (const Leg& leg : legs_of(part)) {
     const Vec6 lambda = multipliers_.col(leg.node);

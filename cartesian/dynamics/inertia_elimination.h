@@ -10,7 +10,7 @@
 namespace concord::cartesian {
 
 /// Solves the equations of motion by eliminating the inertias, which couple no two bodies, and then the constraint rows
-/// (C60): M = L D L^T body by body, the modes first, and J M^-1 J^T = H over the rows in use, a block for each joint
+/// (C65): M = L D L^T body by body, the modes first, and J M^-1 J^T = H over the rows in use, a block for each joint
 /// or coupling, in an order that is chosen when the rows change. For machines whose bodies all have inertia in every
 /// direction, and whose rows are independent; others are told and left to the LU factors of the whole matrix.
 class InertiaElimination {
