@@ -39,7 +39,7 @@ Adams::Adams(IntegratedSystem& system, ModalOscillators modes, const VecX& y, Le
   Ages equal{};
   for (int i = 0; i < kMostTimes; ++i) equal[i] = i;
   weights_.integrate(0.0, 1.0, equal, kHighestOrder, modes_);
-  for (int k = 1; k <= kHighestOrder; ++k) {  // (R85)
+  for (int k = 1; k <= kHighestOrder; ++k) {  // (R88)
     error_constants_[k] = std::abs(weights_.integral(k) - k * weights_.integral(k - 1));
   }
 }
@@ -114,7 +114,7 @@ bool Adams::try_step(double h, std::optional<double> t_end) {
 }
 
 /// Leaves the corrected state in candidate_ and its error in error_norm_; false where rates are not defined.
-bool Adams::predict_and_correct(double h, double t) {  // (R84), (R85)
+bool Adams::predict_and_correct(double h, double t) {  // (R87), (R88)
   const int k = order_;
   const PastRates& past = at_.past;
   weights_.integrate(0.0, h, past.ages, k, modes_);
@@ -200,7 +200,7 @@ double Adams::norm_of_difference(int order) {
   return norm(change_);
 }
 
-/// The order, of those next to the last, by which the next step can be the longest, and its length (R85). Lengths
+/// The order, of those next to the last, by which the next step can be the longest, and its length (R88). Lengths
 /// change only by much: weights of equal steps are kept.
 double Adams::choose_next(double h) {
   constexpr double kLonger = 1.2;
@@ -240,7 +240,7 @@ void Adams::renew() {
   at_.past.write_remainders(modes_);
 }
 
-void Adams::interpolate(double t, Eigen::Ref<VecX> y) {  // (R86)
+void Adams::interpolate(double t, Eigen::Ref<VecX> y) {  // (R89)
   const int n = std::min(last_order_ + 1, at_.past.n);
   dense_.integrate(-last_h_, (t - at_.t) - at_.beyond, at_.past.ages, n - 1, modes_);
   dense_.advance(before_.y, at_.past, n, modes_, y);

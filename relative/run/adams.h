@@ -39,7 +39,7 @@ class Adams : public Stepper {
   void restart(double h) override;
   void rename(const VecX& y) override;
   [[nodiscard]] bool has_dense_output() const override { return true; }
-  /// By the polynomials through the rates at both ends of the step and before (R86).
+  /// By the polynomials through the rates at both ends of the step and before (R89).
   void interpolate(double t, Eigen::Ref<VecX> y) override;
 
  private:
@@ -72,7 +72,7 @@ class Adams : public Stepper {
   VecX rates_, z_, remainder_;
   VecX change_, error_, error_weights_, no_modes_;
   MatX S_, D_;
-  std::array<double, kMostTimes> error_constants_{};  // by order (R85)
+  std::array<double, kMostTimes> error_constants_{};  // by order (R88)
   std::exception_ptr failure_;                        // of the last evaluation that failed in this step
   double error_norm_ = 0.0;
   int rejections_ = 0;  // of this step

@@ -56,7 +56,7 @@ ModalOscillators::ModalOscillators(std::vector<int> a, std::vector<int> adot, Ve
   stiffness_ = damping_ = modal_ = single_ = VecX::Zero(m);
 }
 
-void ModalOscillators::set(const MatX& S, const MatX& D) {  // (R79)
+void ModalOscillators::set(const MatX& S, const MatX& D) {  // (R82)
   if (size() == 0) return;
   const auto [V, values] = real_eigenpairs(sizes_.cwiseInverse().asDiagonal() * S * sizes_.asDiagonal());
   V_ = sizes_.asDiagonal() * V;
@@ -86,7 +86,7 @@ void ModalOscillators::scatter(const VecX& x, const VecX& v, Eigen::Ref<VecX> y)
 }
 
 void ModalOscillators::remainder(const Eigen::Ref<const VecX>& z, const Eigen::Ref<const VecX>& ydot,
-                                 Eigen::Ref<VecX> g) const {  // (R79)
+                                 Eigen::Ref<VecX> g) const {  // (R82)
   const Eigen::Index m = size();
   for (Eigen::Index k = 0; k < m; ++k) modal_(k) = ydot(adot_[k]);
   to_oscillators(modal_, g);

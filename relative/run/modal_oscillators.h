@@ -11,13 +11,13 @@ namespace concord::relative {
 struct Propagator {
   double xx, xv, vx, vv;
 };
-/// exp([0 1; -s -d] tau) in closed form (R80): of stiffnesses and dampings of any size and sign.
+/// exp([0 1; -s -d] tau) in closed form (R83): of stiffnesses and dampings of any size and sign.
 Propagator propagator(double s, double d, double tau);
 
 /// Modal coordinates a and rates adot among integrated numbers y, as oscillators:
 ///   addot = -S a - D adot + g,
 /// S and D being frozen. In the eigenvectors V of S these are single oscillators; what of D couples them there is left
-/// to the remainder g (R79).
+/// to the remainder g (R82).
 class ModalOscillators {
  public:
   /// `a`, `adot`: places in y, mode by mode; `sizes`: of modal coordinates, in which S is balanced.

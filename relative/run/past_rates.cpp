@@ -18,7 +18,7 @@ void PastRates::begin(const VecX& f_now, const VecX& z_now, const ModalOscillato
 }
 
 void PastRates::follow(const PastRates& then, double h, const VecX& f_now, const VecX& z_now,
-                       const ModalOscillators& modes) {  // (R82)
+                       const ModalOscillators& modes) {  // (R85)
   begin(f_now, z_now, modes);
   n = std::min(then.n + 1, kMostTimes);
   for (int j = 1; j < n; ++j) {

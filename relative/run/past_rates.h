@@ -12,7 +12,7 @@ constexpr int kMostTimes = 13;
 /// Ages of past times [s], newest first: 0 = ages[0] < ages[1] < ...
 using Ages = std::array<double, kMostTimes>;
 
-/// What a multistep method knows of past times: divided differences (R82) by columns, of order 0 to n - 1.
+/// What a multistep method knows of past times: divided differences (R85) by columns, of order 0 to n - 1.
 struct PastRates {
   PastRates(Eigen::Index n_numbers, Eigen::Index n_modes);
 

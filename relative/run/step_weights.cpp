@@ -53,7 +53,7 @@ StepWeights::StepWeights(Eigen::Index n_modes)
       x_(VecX::Zero(n_modes)),
       v_(VecX::Zero(n_modes)) {}
 
-void StepWeights::write_polynomials(double tau) {  // (R81)
+void StepWeights::write_polynomials(double tau) {  // (R84)
   double value = 1.0;
   for (int j = 0; j <= last_; ++j) {
     polynomials_(j) = value;
@@ -100,7 +100,7 @@ void StepWeights::integrate(double lower, double upper, const Ages& ages, int la
 }
 
 void StepWeights::advance(const VecX& y_lower, const PastRates& past, int n, const ModalOscillators& modes,
-                          Eigen::Ref<VecX> y) {  // (R83)
+                          Eigen::Ref<VecX> y) {  // (R86)
   const Eigen::Index m = modes.size();
   y = y_lower;
   y.noalias() += past.f.leftCols(n) * integrals_.head(n);

@@ -10,7 +10,7 @@ namespace concord::relative {
 
 /// What rates that are polynomials in time do to integrated numbers within a step. The polynomials are Newton's: with
 /// tau the time since the newest past one, omega_j(tau) is the product of (tau + age_i) over i < j. Modal numbers
-/// respond as oscillators do to remainders that are such polynomials (R83). All memory is laid out at construction.
+/// respond as oscillators do to remainders that are such polynomials (R86). All memory is laid out at construction.
 class StepWeights {
  public:
   explicit StepWeights(Eigen::Index n_modes);
