@@ -161,10 +161,12 @@ void PoseWatch::choose(PoseSample& at) {
   at.pivots = pivots_->of(at.values, at.rows);
 }
 
-bool PoseWatch::follow(double t, const MotionState& motion) {
+bool PoseWatch::follow(double t, const MotionState& motion, bool ends_step) {
   constexpr int kDepth = 16;
-  constexpr double kLittle = 0.1;  // pivots that change so little from step to step cannot vanish in between
+  constexpr double kLittle = 0.1;       // pivots that change so little from look to look cannot vanish in between
+  constexpr double kVeryLittle = 0.02;  // within a step they need not even be looked at
   if (!may_lose_rank_ || t <= last_.t) return false;
+  if (!ends_step && rate_ * (t - last_.t) < kVeryLittle) return false;
   const std::vector<bool> rows = dynamics_.active_rows();
   equations_.update(t, motion.q, motion.Y);
   PoseSample now = sample_pose(t, motion);

@@ -26,9 +26,9 @@ class PoseWatch {
   PoseWatch(const PoseWatch&) = delete;
   PoseWatch& operator=(const PoseWatch&) = delete;
 
-  /// The motion has come to t. True if other rows are in use from now on. Throws SingularPose where the motion
-  /// has passed or reached a singular pose.
-  bool follow(double t, const MotionState& motion);
+  /// The motion has come to t, at the end of a step or within it. True if other rows are in use from now on. Throws
+  /// SingularPose where the motion has passed or reached a singular pose.
+  bool follow(double t, const MotionState& motion, bool ends_step);
 
   /// An integrator has stopped for this reason. Throws SingularPose if the constraints were about to lose rank.
   void explain_stop(const std::string& reason) const;

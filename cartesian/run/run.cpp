@@ -154,7 +154,7 @@ class Run {
     require_held_regimes();
     lines_.pass(reached_, equations_.applied().spring_lines(reached_));
     lines_.settle();
-    const bool has_new_rows = watch_.follow(reached_, motion_);
+    const bool has_new_rows = watch_.follow(reached_, motion_, !stepper_->is_within_step());
     const bool at_break = breaks_first && reached_ >= *next_break_;
     if (at_break) ++next_break_;
     if (has_new_rows || at_break) stepper_->begin_anew();

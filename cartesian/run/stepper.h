@@ -31,6 +31,8 @@ class Stepper {
   /// The motion at the time reached; to be projected by whoever needs it closed to round-off. Within a step it is good
   /// enough to look at, but at `stop` as exact as at its end.
   [[nodiscard]] const MotionState& motion() const { return motion_; }
+  /// Whether that is not the end of an internal step.
+  [[nodiscard]] bool is_within_step() const { return time_ < reached_; }
   [[nodiscard]] long steps() const { return steps_; }
   /// The equations change here, and the motion goes on as it was reached: other rows are in use from now on, or a law
   /// of time goes on as another formula.
