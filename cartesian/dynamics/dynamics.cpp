@@ -101,7 +101,7 @@ bool Dynamics::solve_by_whole_matrix() {
   unknowns_ = right_side_;
   if (refinement_ != Refinement::none) return lu.solve_refined(unknowns_, 0.0);
   measure_least_unknowns();
-  return lu.solve_equation_by_equation(unknowns_, kGoodEnough, least_unknowns_);
+  return lu.solve_equation_by_equation(unknowns_, kRoundOff, least_unknowns_);
 }
 
 bool Dynamics::factor_and_solve(Pivots pivots) {
@@ -121,21 +121,26 @@ bool Dynamics::factor_and_solve(Pivots pivots) {
 
 /// In a state that has been solved for to round-off.
 void Dynamics::judge_elimination() {
-  constexpr double kFarOff = 1e-6;
+  constexpr double kMagnified = 1e-13;
+  constexpr double kFarOff = 1e-9;
   SparseLu& lu = matrix_.lu();
+  const bool magnifies = loses_more_than(kMagnified, lu.relative_correction(), lu.first_correction());
+  refinement_ = magnifies ? Refinement::exact : Refinement::none;
   eliminates_ = is_eliminated_ = false;
-  refinement_ = loses_digits(lu.relative_correction(), lu.first_correction()) ? Refinement::exact : Refinement::none;
   if (!elimination_.factor(equations_)) return;
   trial_ = right_side_;
   elimination_.solve(trial_);
-  const auto departure = [&] { return lu.relative_size(error_ = trial_ - unknowns_, unknowns_); };
-  eliminates_ = is_eliminated_ = departure() <= kFarOff;
-  if (!eliminates_) return;
+  const auto departs_by_more_than = [&](double part) {
+    error_ = trial_ - unknowns_;
+    return loses_more_than(part, lu.relative_size(error_, unknowns_), error_);
+  };
+  if (departs_by_more_than(kFarOff)) return;
+  eliminates_ = is_eliminated_ = true;
   refinement_ = Refinement::none;
-  if (!loses_digits(departure(), error_)) return;
+  if (!departs_by_more_than(kMagnified)) return;
   (void)elimination_.largest_residual(right_side_, trial_, least_unknowns_);
   elimination_.correct(trial_);
-  refinement_ = loses_digits(departure(), error_) ? Refinement::exact : Refinement::rough;
+  refinement_ = departs_by_more_than(kMagnified) ? Refinement::exact : Refinement::rough;
 }
 
 const Solution& Dynamics::solve(Pivots pivots) {
@@ -168,15 +173,14 @@ void Dynamics::accelerate(const Eigen::Ref<const VecX>& forces, Eigen::Ref<VecX>
   accelerations = unknowns_.head(forces.size());
 }
 
-/// Whether an error of a solution is more than evaluations between steps may lose: as a whole, or of the accelerations
-/// alone, which is where the tiny equations of a body far lighter than those that lead it are seen.
-bool Dynamics::loses_digits(double relative_error, const VecX& error) const {
-  constexpr double kMagnified = 1e-13;
-  if (relative_error > kMagnified) return true;
+/// Whether an error of the solution is more than a part of it: as a whole, or of the accelerations alone, which is
+/// where the tiny equations of a body far lighter than those that lead it are seen.
+bool Dynamics::loses_more_than(double part, double relative_error, const VecX& error) const {
+  if (relative_error > part) return true;
   const auto n_Y = equations_.layout().n_Y();
   const double acceleration = largest_acceleration(equations_, unknowns_.head(n_Y));
   const auto in_units = error.head(n_Y).cwiseQuotient(equations_.units());
-  return (in_units.array().abs() > kMagnified * acceleration).any();
+  return (in_units.array().abs() > part * acceleration).any();
 }
 
 std::optional<RowIndex> Dynamics::contradicted_row(const Solution& solution) {

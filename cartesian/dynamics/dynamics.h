@@ -79,7 +79,7 @@ class Dynamics {  // (C40)
   [[nodiscard]] bool solve_by_whole_matrix();
   void measure_least_unknowns();
   void judge_elimination();
-  [[nodiscard]] bool loses_digits(double relative_error, const VecX& error) const;
+  [[nodiscard]] bool loses_more_than(double part, double relative_error, const VecX& error) const;
 
   Equations& equations_;
   AugmentedMatrix matrix_;

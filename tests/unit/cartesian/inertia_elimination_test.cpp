@@ -196,7 +196,7 @@ TEST(InertiaElimination, LeavesALightOrMasslessBodyToTheWholeMatrix) {
     equations.layout().normalize(q);
     const VecX Y = numbers.matrix(equations.layout().n_Y(), 1, 1.5);
     const VecX exact = dynamics.solve_at(0.0, q, Y, Pivots::fresh).Ydot();
-    if (part >= 1e-6 || part == 0.0) EXPECT_EQ(dynamics.eliminates_inertias(), part > 0.0) << part;
+    if (part >= 1e-3 || part == 0.0) EXPECT_EQ(dynamics.eliminates_inertias(), part > 0.0) << part;
     VecX aside = q;
     aside(0) += 1e-3;
     (void)dynamics.solve_at(0.0, aside, Y, Pivots::kept);
