@@ -143,7 +143,8 @@ void ClosureRank::throw_singular(const Coordinates& coordinates, const std::stri
 double ClosureRank::factor_rows(Coordinates& coordinates, MatX& Phi) const {
   scaled_->move(coordinates);
   Phi = scaled_->rows(scaled_->free_columns());
-  return RowRank(Phi).singular_value(rank());
+  const bool is_clear = rank() == scaled_->closure().n_rows() && loop_rows_.factor(VecX::Ones(Phi.cols()));
+  return is_clear ? loop_rows_.singular_value() : RowRank(Phi).singular_value(rank());
 }
 
 }  // namespace concord::relative

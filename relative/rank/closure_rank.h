@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "relative/rank/loop_rows.h"
 #include "relative/rank/scaled_closure.h"
 
 namespace concord::relative {
@@ -11,7 +12,7 @@ namespace concord::relative {
 class ClosureRank {
  public:
   /// The closure must outlive this object.
-  explicit ClosureRank(const ScaledClosure& scaled) : scaled_(&scaled) {}
+  explicit ClosureRank(const ScaledClosure& scaled) : scaled_(&scaled), loop_rows_(scaled) {}
 
   [[nodiscard]] bool is_decided() const { return is_decided_; }
   /// Decides, near closed coordinates: the rank may be lower there, in a folded pose or with undeformed bodies, than it
@@ -38,6 +39,7 @@ class ClosureRank {
   void decide_modes(const Coordinates& closed);
 
   const ScaledClosure* scaled_;
+  mutable LoopRows loop_rows_;  // memory of factor_rows()
   bool is_decided_ = false;
   Modes closing_modes_ = Modes::kept;
 };

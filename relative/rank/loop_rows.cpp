@@ -1,7 +1,10 @@
 #include "relative/rank/loop_rows.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
+
+#include "relative/rank/row_rank.h"
 
 namespace concord::relative {
 
@@ -167,10 +170,31 @@ bool LoopRows::factor(const VecX& weights) {
   return cholesky_.factor(rows_) > kClearlyIndependent;
 }
 
+/// (Phi Phi^T)^-1, in place.
+void LoopRows::solve_squares(VecX& right) const {
+  right.array() *= rows_.scale.array();
+  cholesky_.solve(right);
+  right.array() *= rows_.scale.array();
+}
+
+/// With Phi^T = Q R, (Phi Phi^T)^-1 y = R^-1 R^-T y, and |R^-T y|^2 = y^T (Phi Phi^T)^-1 y.
+double LoopRows::singular_value() const {  // (R70)
+  constexpr int kIterations = 8;
+  VecX y = inverse_iteration_start(static_cast<int>(diagonal_.size()));
+  double sigma = 0.0;
+  for (int round = 0; round < kIterations; ++round) {
+    VecX next = y;
+    solve_squares(next);
+    const double size = next.norm();
+    sigma = std::sqrt(y.dot(next)) / size;
+    y = next / size;
+  }
+  return sigma;
+}
+
 VecX LoopRows::smallest_step(const VecX& misfit) const {  // (R81)
-  VecX y = -misfit.cwiseProduct(rows_.scale);
-  cholesky_.solve(y);
-  y.array() *= rows_.scale.array();
+  VecX y = -misfit;
+  solve_squares(y);
   VecX along = VecX::Zero(column_sizes_.size());
   for (const Loop& loop : loops_) {
     const Closure::Cut& cut = scaled_->closure().cuts()[loop.cut];

@@ -26,6 +26,9 @@ class LoopRows {
   /// The smallest step x (one number per free column) with Phi x = -misfit (one number per row).
   [[nodiscard]] VecX smallest_step(const VecX& misfit) const;
 
+  /// Size of the smallest singular value, by inverse iteration as RowRank has it (R70).
+  [[nodiscard]] double singular_value() const;
+
  private:
   /// Consecutive speeds of the tree that a loop moves: those of a joint, or of a body's modes.
   struct Columns {
@@ -50,6 +53,7 @@ class LoopRows {
   void carry(BodyIndex body, MatX rows_on_body, Loop& loop) const;
   [[nodiscard]] MatX& rows_of(Loop& loop, int first_u) const;
   void sum_squares();
+  void solve_squares(VecX& right) const;
 
   const ScaledClosure* scaled_;
   std::vector<Loop> loops_;

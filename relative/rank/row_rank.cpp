@@ -5,6 +5,12 @@
 
 namespace concord::relative {
 
+VecX inverse_iteration_start(int n) {
+  VecX y(n);
+  for (int i = 0; i < n; ++i) y(i) = 1.0 + 0.37 * std::sin(1.0 + 2.0 * i);
+  return y.normalized();
+}
+
 void RowRank::compute(const MatX& Phi) {
   n_rows_ = Phi.rows();
   n_columns_ = Phi.cols();
@@ -42,14 +48,11 @@ MatX RowRank::free_directions() const {
   return orthogonal_factor(qr_).rightCols(n_columns_ - rank_);
 }
 
-/// The direction y of the pivoted rows with the smallest |R y|, and that size: inverse iteration from a vector that no
-/// symmetry favours (R70).
+/// The direction y of the pivoted rows with the smallest |R y|, and that size, by inverse iteration (R70).
 VecX RowRank::iterate(int rank, double& sigma) const {
   constexpr int kIterations = 4;
   const auto R = qr_.matrixQR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>();
-  VecX y(rank);
-  for (int i = 0; i < rank; ++i) y(i) = 1.0 + 0.37 * std::sin(1.0 + 2.0 * i);
-  y.normalize();
+  VecX y = inverse_iteration_start(rank);
   sigma = 0.0;
   for (int round = 0; round < kIterations; ++round) {
     VecX x = R.transpose().solve(y);

@@ -14,6 +14,9 @@ inline constexpr double kDependentPart = 1e-10;
 /// square of the distance, so that closed poses are known to the root of round-off only.
 inline constexpr double kBesideSingular = 3e-6;
 
+/// A unit vector that no symmetry favours.
+[[nodiscard]] VecX inverse_iteration_start(int n);
+
 /// The closure rows of one pose, in machine units over the columns that may move, factored with pivoting: Phi^T P =
 /// Q R.
 class RowRank {

@@ -40,7 +40,7 @@ Model machine(const std::string& name) {
 class Rows : public ::testing::TestWithParam<const char*> {};
 
 /// In a pose that is not closed, for every column and for weights.
-TEST_P(Rows, OfLoopsTakeTheStepThatDenseRowsTake) {
+TEST_P(Rows, OfLoopsTakeTheStepAndHaveTheSingularValueOfDenseRows) {
   const Model model = machine(GetParam());
   Equations equations(model);
   Assembly assembly(equations);
@@ -52,13 +52,15 @@ TEST_P(Rows, OfLoopsTakeTheStepThatDenseRowsTake) {
   scaled.normalize(pose.q);
   scaled.move(pose);
   LoopRows rows(scaled);
-  for (const double least : {1.0, 0.2}) {
+  for (const double lightest : {1.0, 0.2}) {
     VecX weights(columns.size());
-    for (double& weight : weights) weight = least + (1.0 - least) * std::abs(numbers());
+    for (double& weight : weights) weight = lightest + (1.0 - lightest) * std::abs(numbers());
     ASSERT_TRUE(rows.factor(weights));
     const MatX Phi = scaled.rows(columns) * weights.asDiagonal();
     const VecX misfit = numbers.vector(Phi.rows(), 1.0);
     const VecX dense = RowRank(Phi).smallest_step(misfit);
+    const double least = Eigen::JacobiSVD<MatX>(Phi).singularValues().minCoeff();
+    EXPECT_NEAR(rows.singular_value(), least, 0.02 * least);
     const VecX found = rows.smallest_step(misfit);
     EXPECT_LT((found - dense).norm(), 1e-10 * dense.norm());
     EXPECT_LT((Phi * found + misfit).norm(), 1e-10 * misfit.norm());
