@@ -139,7 +139,8 @@ Mobilizer::Mobilizer(const joints::JointType& type, double length)
   }
   for (int c = 0; c < n_u_; ++c) couples_ = couples_ || (kind(c).displaces && kind(c).rotates);
   require_three_of_a_kind(type.name);
-  if (words_.size() == 1 && std::holds_alternative<joints::Turn>(words_.front())) only_turn_ = kind(0).axis;
+  const bool only_turns = n_u_ == 1 && kind(0).rotates && !kind(0).displaces;
+  if (only_turns && !is_by_functions()) only_turn_ = kind(0).axis;
   if (!is_by_functions()) return;
   for (const joints::Read& read : type.reads) {
     if (const joints::WrenchesOfPlacement stated = stated_wrenches(read)) stated_wrenches_ = stated;
