@@ -24,14 +24,14 @@ StepTolerances::StepTolerances(Dynamics& dynamics, const MotionState& start, Tol
       absolute_(asked_),
       has_laws_of_time_(has_laws_of_time(dynamics.equations().model())),
       noise_(VecX::Zero(layout_.n_Y())) {
-  round_off_ = measure_round_off(start);
   share_of_modes_ = share_for(start);
+  round_off_ = measure_round_off(0.0, start);
   absolute_.head(round_off_.size()) = wanted_of_motion();
 }
 
 bool StepTolerances::follow(double t, double step, const MotionState& motion, double largest_work) {
   bool changed = follow_work(largest_work);
-  changed = follow_modes(motion) || changed;
+  changed = follow_modes(t, motion) || changed;
   return (has_laws_of_time_ && follow_time(t, step, motion)) || changed;
 }
 
@@ -47,18 +47,18 @@ bool StepTolerances::follow_work(double largest_work) {
 
 /// Vibrations may be small beside what bodies would do if they vibrated as fast as they move, and joints carry what
 /// modes do all the same: errors of modes count against the largest vibration so far.
-bool StepTolerances::follow_modes(const MotionState& motion) {
+bool StepTolerances::follow_modes(double t, const MotionState& motion) {
   const double share = share_for(motion);
   if (share <= 2.0 * share_of_modes_) return false;
   share_of_modes_ = share;
+  round_off_ = measure_round_off(t, motion);
   absolute_.head(round_off_.size()) = wanted_of_motion();
   return true;
 }
 
 /// (C63)
 double StepTolerances::share_for(const MotionState& motion) const {
-  constexpr double kLeast = 1e-3;        // where next to nothing vibrates
-  constexpr double kPerVibration = 1e2;  // the share of vibrations a hundredth as large as those asked for is 1
+  constexpr double kLeast = 1e-6;  // where next to nothing vibrates
   double largest = 0.0;
   const auto look_at = [&](const auto& modes, const auto& asked) {
     if (modes.size() > 0) largest = std::max(largest, modes.cwiseQuotient(asked).cwiseAbs().maxCoeff());
@@ -67,7 +67,7 @@ double StepTolerances::share_for(const MotionState& motion) const {
     look_at(layout_.a(motion.q, i), layout_.a(asked_.head(layout_.n_q()), i));
     look_at(layout_.adot(motion.Y, i), layout_.adot(asked_.segment(layout_.n_q(), layout_.n_Y()), i));
   }
-  return std::clamp(kPerVibration * tolerance_.rtol * largest, kLeast, 1.0);
+  return std::clamp(tolerance_.rtol * largest, kLeast, 1.0);
 }
 
 /// Laws of time know their time to its last digit only, so that what changes with time itself comes with noise: what
@@ -113,18 +113,18 @@ VecX StepTolerances::wanted_of_motion() const {
 /// A stiff spring turns the round-off of places into noise of accelerations. What that leaves in the speeds within
 /// the time in which the spring acts is not asked for: steps against noise only become shorter and shorter. Nor is
 /// what joints far from the origin leave of orientations, when the step is projected onto them.
-VecX StepTolerances::measure_round_off(const MotionState& start) {
+VecX StepTolerances::measure_round_off(double t, const MotionState& motion) {
   const auto accelerations_at = [&](const VecX& q) -> VecX {
-    return dynamics_.solve_at(0.0, q, start.Y, Pivots::fresh).Ydot();
+    return dynamics_.solve_at(t, q, motion.Y, Pivots::fresh).Ydot();
   };
-  const VecX exact = accelerations_at(start.q);
+  const VecX exact = accelerations_at(motion.q);
   const VecX units = dynamics_.equations().units();
-  const VecX sizes = sizes_of_places(start.q);
+  const VecX sizes = sizes_of_places(motion.q);
   VecX round_off(layout_.n_q() + layout_.n_Y());
   round_off << kTwoRoundOffs * sizes, VecX::Zero(layout_.n_Y());
   VecX noise = VecX::Zero(layout_.n_Y());
   for (int pattern = 1; pattern <= 3; ++pattern) {
-    VecX q = start.q;
+    VecX q = motion.q;
     for (Eigen::Index k = 0; k < q.size(); ++k)
       q(k) += ((k * pattern) % 4 < 2 ? kTwoRoundOffs : -kTwoRoundOffs) * sizes(k);
     noise = noise.cwiseMax((accelerations_at(q) - exact).cwiseAbs());
@@ -135,12 +135,15 @@ VecX StepTolerances::measure_round_off(const MotionState& start) {
 }
 
 /// What round-off of the coordinates is relative to: they themselves, and the machine's length; of Euler parameters
-/// 1, or how many lengths away from the origin the machine stands.
+/// 1, or how many lengths away from the origin the machine stands; of modes the largest vibration so far.
 VecX StepTolerances::sizes_of_places(const VecX& q) const {
-  VecX sizes = (asked_.head(layout_.n_q()) / tolerance_.rtol).cwiseMax(q.cwiseAbs());
+  VecX sizes = asked_.head(layout_.n_q()) / tolerance_.rtol;
   const double reach = reach_of(dynamics_.equations(), q);
-  for (const BodyIndex i : layout_.moving_bodies()) layout_.p(sizes, i).setConstant(reach);
-  return sizes;
+  for (const BodyIndex i : layout_.moving_bodies()) {
+    layout_.p(sizes, i).setConstant(reach);
+    layout_.a(sizes, i) *= share_of_modes_;
+  }
+  return sizes.cwiseMax(q.cwiseAbs());
 }
 
 }  // namespace concord::cartesian

@@ -20,10 +20,10 @@ class StepTolerances {
 
  private:
   [[nodiscard]] VecX sizes_of_places(const VecX& q) const;
-  [[nodiscard]] VecX measure_round_off(const MotionState& start);
+  [[nodiscard]] VecX measure_round_off(double t, const MotionState& motion);
   [[nodiscard]] double share_for(const MotionState& motion) const;
   bool follow_work(double largest_work);
-  bool follow_modes(const MotionState& motion);
+  bool follow_modes(double t, const MotionState& motion);
   bool follow_time(double t, double step, const MotionState& motion);
   [[nodiscard]] VecX wanted_of_motion() const;
 
