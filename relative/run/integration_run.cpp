@@ -42,8 +42,18 @@ IntegrationRun::IntegrationRun(Equations& equations, Assembly& assembly, const C
   follow_elements();
 }
 
+/// In units in which stiffnesses are one, S is nearly symmetric, so that its eigenvectors are far from dependent.
 ModalOscillators IntegrationRun::modes() const {
-  return {variables_.modal_coordinates(), variables_.modal_rates(), sizes_(variables_.modal_coordinates())};
+  VecX units = VecX::Ones(static_cast<Eigen::Index>(variables_.modal_coordinates().size()));
+  Eigen::Index at = 0;
+  for (const Body& body : equations_->model().bodies) {
+    for (int k = 0; k < body.n_modes(); ++k, ++at) {
+      const double stiffness = body.modal->stiffness(k, k);
+      const double largest = body.modal->stiffness.diagonal().maxCoeff();
+      if (largest > 0.0) units(at) = 1.0 / std::sqrt(stiffness > 0.0 ? stiffness : largest);
+    }
+  }
+  return {variables_.modal_coordinates(), variables_.modal_rates(), units};
 }
 
 void IntegrationRun::evaluate(double t, const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> ydot) {  // (R73)

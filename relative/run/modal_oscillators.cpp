@@ -31,22 +31,25 @@ Propagator propagator(double s, double d, double tau) {
   constexpr double kSmall = 1e-4;
   const double c = 0.5 * d;
   const double square = c * c - s;
-  double even = 0.0;  // exp(-c tau) cosh(r tau)
+  double even = 0.0;  // exp(-c tau) cosh(r tau) - 1
   double odd = 0.0;   // exp(-c tau) sinh(r tau) / r
   if (square < 0.0) {
     const double w = std::sqrt(-square);
     const double decay = std::exp(-c * tau);
-    even = decay * std::cos(w * tau);
+    const double half = std::sin(0.5 * w * tau);
+    even = std::expm1(-c * tau) * std::cos(w * tau) - 2.0 * half * half;
     odd = decay * std::sin(w * tau) / w;
   } else {
     const double r = std::sqrt(square);
     const double x = r * tau;
     const double grown = std::exp(x - c * tau);
-    even = 0.5 * (grown + std::exp(-x - c * tau));
+    even = 0.5 * (std::expm1(x - c * tau) + std::expm1(-x - c * tau));
     odd = std::abs(x) < kSmall ? std::exp(-c * tau) * tau * (1.0 + x * x / 6.0)
                                : -grown * std::expm1(-2.0 * x) / (2.0 * r);
   }
-  return {even + c * odd, odd, -s * odd, even - c * odd};
+  const double xx = even + c * odd;
+  const double vv = even - c * odd;
+  return {1.0 + xx, odd, -s * odd, 1.0 + vv, xx, vv};
 }
 
 ModalOscillators::ModalOscillators(std::vector<int> a, std::vector<int> adot, VecX sizes)
@@ -75,6 +78,14 @@ void ModalOscillators::gather(const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> 
   for (Eigen::Index k = 0; k < m; ++k) {
     z(k) = y(a_[k]);
     z(m + k) = y(adot_[k]);
+  }
+}
+
+void ModalOscillators::add(const Eigen::Ref<const VecX>& z, Eigen::Ref<VecX> y) const {
+  const Eigen::Index m = size();
+  for (Eigen::Index k = 0; k < m; ++k) {
+    y(a_[k]) += z(k);
+    y(adot_[k]) += z(m + k);
   }
 }
 

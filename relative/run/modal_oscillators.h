@@ -10,6 +10,7 @@ namespace concord::relative {
 /// What a time does to the free motion of one oscillator x'' + d x' + s x = 0: [x; x'] <- [xx xv; vx vv] [x; x'].
 struct Propagator {
   double xx, xv, vx, vv;
+  double change_of_xx, change_of_vv;  // less one, without cancellation
 };
 /// exp([0 1; -s -d] tau) in closed form (R83): of stiffnesses and dampings of any size and sign.
 Propagator propagator(double s, double d, double tau);
@@ -20,7 +21,7 @@ Propagator propagator(double s, double d, double tau);
 /// to the remainder g (R82).
 class ModalOscillators {
  public:
-  /// `a`, `adot`: places in y, mode by mode; `sizes`: of modal coordinates, in which S is balanced.
+  /// `a`, `adot`: places in y, mode by mode; `sizes`: of modal coordinates, in which S is nearly symmetric.
   ModalOscillators(std::vector<int> a, std::vector<int> adot, VecX sizes);
 
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(a_.size()); }
@@ -43,6 +44,8 @@ class ModalOscillators {
   void gather(const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> z) const;
   /// Writes a = V x and adot = V v into y.
   void scatter(const VecX& x, const VecX& v, Eigen::Ref<VecX> y) const;
+  /// Adds z = [a; adot] to y.
+  void add(const Eigen::Ref<const VecX>& z, Eigen::Ref<VecX> y) const;
   /// V^-1 g from z = [a; adot] and the rates ydot of y, or from divided differences of both.
   void remainder(const Eigen::Ref<const VecX>& z, const Eigen::Ref<const VecX>& ydot, Eigen::Ref<VecX> g) const;
 

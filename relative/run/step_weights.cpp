@@ -110,13 +110,15 @@ void StepWeights::advance(const VecX& y_lower, const PastRates& past, int n, con
   modes.to_oscillators(z_.tail(m), v_);
   for (Eigen::Index k = 0; k < m; ++k) {
     const Propagator& free = propagators_[k];
-    const double x = free.xx * x_(k) + free.xv * v_(k);
-    const double v = free.vx * x_(k) + free.vv * v_(k);
+    const double x = free.change_of_xx * x_(k) + free.xv * v_(k);
+    const double v = free.vx * x_(k) + free.change_of_vv * v_(k);
     const auto remainders = past.g.row(k).head(n);
     x_(k) = x + to_x_.row(k).head(n).dot(remainders);
     v_(k) = v + to_v_.row(k).head(n).dot(remainders);
   }
+  // Changes alone go through V: round-off of the whole would be magnified by it in every step.
   modes.scatter(x_, v_, y);
+  modes.add(z_, y);
 }
 
 void StepWeights::write_change(int j, double back, const VecX& f, const VecX& g, const ModalOscillators& modes,
