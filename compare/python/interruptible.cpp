@@ -1,6 +1,7 @@
 #include "compare/python/interruptible.h"
 
 #include "cartesian/solver.h"
+#include "common/open_evaluation.h"
 #include "relative/solver.h"
 
 namespace concord::compare::python {
@@ -8,9 +9,10 @@ namespace concord::compare::python {
 namespace {
 
 /// A solver that looks at the flag whenever it is called.
-class StoppableSolver : public Solver {
+class StoppableSolver : public Solver, public OpenEvaluation {
  public:
-  StoppableSolver(std::unique_ptr<Solver> solver, const StopFlag& stop) : solver_(std::move(solver)), stop_(stop) {}
+  StoppableSolver(std::unique_ptr<Solver> solver, const StopFlag& stop)
+      : solver_(std::move(solver)), open_(dynamic_cast<OpenEvaluation&>(*solver_)), stop_(stop) {}
 
   [[nodiscard]] std::string_view name() const override { return solver_->name(); }
   [[nodiscard]] std::vector<std::string> integrators() const override { return solver_->integrators(); }
@@ -27,6 +29,10 @@ class StoppableSolver : public Solver {
   Evaluation evaluate(const State& state) override {
     check(stop_);
     return solver_->evaluate(state);
+  }
+  Evaluation evaluate_open(const State& state) override {
+    check(stop_);
+    return open_.evaluate_open(state);
   }
   RankReport rank(const State& state) override {
     check(stop_);
@@ -45,6 +51,7 @@ class StoppableSolver : public Solver {
 
  private:
   std::unique_ptr<Solver> solver_;
+  OpenEvaluation& open_;  // of the same solver
   const StopFlag& stop_;
 };
 
