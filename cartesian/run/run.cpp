@@ -66,7 +66,7 @@ std::unique_ptr<Stepper> make_stepper(Dynamics& dynamics, const RunOptions& opti
   const std::string chosen = integrator_of(options);
   // Errors of single steps add up over a run: each step is held to a part of what is asked, more so where steps are
   // many.
-  const Tolerance of_gauss{std::max(0.01 * options.rtol, 3e-15), options.until};
+  const Tolerance of_gauss{std::max(0.001 * options.rtol, 3e-15), options.until};
   if (chosen == "gauss") return make_collocation_stepper(dynamics, first, of_gauss);
   const Tolerance of_ida{std::max(0.01 * options.rtol, 1e-13), options.until};
   if (chosen == "ida") return make_ida_stepper(dynamics, first, of_ida);
