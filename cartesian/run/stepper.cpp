@@ -42,7 +42,7 @@ double Stepper::step(double stop, double limit) {
     if (has_regimes_) event_samples_.col(0) = event_functions(began_, motion_);
     advance(limit);
     largest_work_ = std::max(largest_work_, std::abs(motion_.work));
-    event_ = has_regimes_ ? locate_event(began_, reached_) : HUGE_VAL;
+    event_ = has_regimes_ ? locate_event() : HUGE_VAL;
   }
   const double look = next_look();
   if (look < std::min({stop, event_, reached_})) {
@@ -95,12 +95,12 @@ double Stepper::event_function_at(double t) {
   return event_function(t, motion_);
 }
 
-/// A time of the last step, which began at `from`, where an event function is negative; HUGE_VAL if there is none.
+/// A time of the last step where an event function is negative; HUGE_VAL if there is none.
 /// Looks at equal times, and for the minimum of each function that may dip below zero between two of them.
-double Stepper::find_outside(double from) {
-  const double step = reached_ - from;
+double Stepper::find_outside() {
+  const double step = reached_ - began_;
   const auto time_of = [&](Eigen::Index k) {
-    return k == kEventSamples ? reached_ : from + step * double(k) / kEventSamples;
+    return k == kEventSamples ? reached_ : began_ + step * double(k) / kEventSamples;
   };
   for (Eigen::Index k = 1; k <= kEventSamples; ++k) {
     const double t = time_of(k);
@@ -154,21 +154,21 @@ double Stepper::find_minimum(Eigen::Index function, double low, double high) {
   return HUGE_VAL;
 }
 
-/// The time in the last step, which began at `from` with the event functions that event_samples_ has there, just past
-/// which a regime has ended; HUGE_VAL if none does. Illinois' rule between times inside and outside.
-double Stepper::locate_event(double from, double stop) {  // (C64)
-  constexpr double kSharp = 1e-13;                        // of the time up to which the step may go
+/// The time in the last step, at whose beginning event_samples_ has the event functions, just past which a regime has
+/// ended; HUGE_VAL if none does. Illinois' rule between times inside and outside.
+double Stepper::locate_event() {    // (C64)
+  constexpr double kSharp = 1e-13;  // of the time reached
   const double value_before = event_samples_.col(0).minCoeff();
-  if (!(value_before >= 0.0)) return from;
-  if (reached_ - from <= kSharp * stop) return HUGE_VAL;
-  double inside = from;
-  double outside = find_outside(from);
+  if (!(value_before >= 0.0)) return began_;
+  if (reached_ - began_ <= kSharp * reached_) return HUGE_VAL;
+  double inside = began_;
+  double outside = find_outside();
   if (outside == HUGE_VAL) return HUGE_VAL;
   double past = event_function_at(outside);
   if (!(past < 0.0)) return HUGE_VAL;
   double before = value_before;
   int same_side = 0;  // how often in a row the root was found on the same side: positive inside, negative outside
-  const double sharp = std::max(kSharp * stop, 64.0 * kRoundOff * outside);
+  const double sharp = std::max(kSharp * reached_, 64.0 * kRoundOff * outside);
   while (outside - inside > sharp) {
     const bool halve = !(before > 0.0) || std::abs(same_side) > 2;
     const double part = halve ? 0.5 : before / (before - past);

@@ -15,9 +15,9 @@ struct MotionState {
   double work = 0.0;  // of drivers, springs, force elements and modal damping since the start, J
 };
 
-/// Carries the motion from t = 0 one internal step at a time. The regimes of tires and stops, which
-/// the caller holds, stay during a step; where one ends inside a step, the step is cut there, the regimes are set anew,
-/// and the integration starts again.
+/// Carries the motion from t = 0 one internal step at a time. The regimes of tires and stops, which the caller holds,
+/// stay during a step; where one ends inside a step, the step is cut there, the regimes are set anew, and the
+/// integration starts again.
 class Stepper {
  public:
   virtual ~Stepper() = default;
@@ -71,9 +71,9 @@ class Stepper {
   double event_function(double t, const MotionState& motion);
   double event_function_at(double t);
   double next_look();
-  double find_outside(double from);
+  double find_outside();
   double find_minimum(Eigen::Index function, double low, double high);
-  double locate_event(double from, double stop);
+  double locate_event();
   void pass_event();
   void close_motion(double t);
   void note_rate(double t);
