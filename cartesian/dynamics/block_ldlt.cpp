@@ -6,6 +6,7 @@
 #include <numeric>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 namespace concord::cartesian {
 
@@ -22,14 +23,14 @@ std::vector<std::set<int>> neighbours(int n, const std::vector<BlockLdlt::Pair>&
 
 }  // namespace
 
-bool factor_block(Mat6& A, Vec6& inverse_D, const Vec6& least) {
+bool factor_block(Mat6& A, Vec6& inverse_D, const Vec6& least, int size) {
   bool is_positive = true;
-  for (int c = 0; c < 6; ++c) {
+  for (int c = 0; c < size; ++c) {
     is_positive = is_positive && A(c, c) > least(c);
     const Vec6 column = A.col(c);
     inverse_D(c) = 1.0 / column(c);
     A.col(c) = inverse_D(c) * column;
-    for (int later = c + 1; later < 6; ++later) A.col(later) -= column(later) * A.col(c);
+    for (int later = c + 1; later < size; ++later) A.col(later) -= column(later) * A.col(c);
   }
   return is_positive;
 }
@@ -46,7 +47,13 @@ void solve_upper(const Mat6& L, Vec6& x) {
   }
 }
 
-BlockLdlt::BlockLdlt(int n, const std::vector<Pair>& pairs) : n_(n), below_(n), updates_(n), inverse_D_(n), least_(n) {
+BlockLdlt::BlockLdlt(std::vector<int> sizes, const std::vector<Pair>& pairs)
+    : sizes_(std::move(sizes)),
+      below_(sizes_.size()),
+      updates_(sizes_.size()),
+      inverse_D_(sizes_.size(), Vec6::Zero()),
+      least_(inverse_D_) {
+  const int n = size();
   std::vector<std::set<int>> rows = neighbours(n, pairs);
   int place = n;
   for (int column = 0; column < n; ++column) {
@@ -63,7 +70,8 @@ BlockLdlt::BlockLdlt(int n, const std::vector<Pair>& pairs) : n_(n), below_(n), 
     const std::vector<Below>& own = below_[column];
     for (std::size_t right = 0; right < own.size(); ++right) {
       for (std::size_t left = right; left < own.size(); ++left) {
-        updates_[column].push_back({find(own[left].row, own[right].row), own[left].place, own[right].place});
+        updates_[column].push_back(
+            {find(own[left].row, own[right].row), own[left].place, own[right].place, sizes_[own[right].row]});
       }
     }
   }
@@ -79,33 +87,34 @@ int BlockLdlt::find(int row, int column) const {
 }
 
 void BlockLdlt::set_zero() {
-  for (int k = 0; k < n_; ++k) {
+  for (int k = 0; k < size(); ++k) {
     blocks_[k].setZero();
     for (const Below& below : below_[k]) blocks_[below.place].setZero();
   }
 }
 
 bool BlockLdlt::factor(double least) {
-  for (int k = 0; k < n_; ++k) least_[k] = least * blocks_[k].diagonal();
-  for (int k = 0; k < n_; ++k) {
-    if (!factor_block(blocks_[k], inverse_D_[k], least_[k])) return false;
-    for (const Below& below : below_[k]) divide_rows(blocks_[k], blocks_[below.place]);
+  for (int k = 0; k < size(); ++k) least_[k] = least * blocks_[k].diagonal();
+  for (int k = 0; k < size(); ++k) {
+    if (!factor_block(blocks_[k], inverse_D_[k], least_[k], sizes_[k])) return false;
+    for (const Below& below : below_[k]) divide_rows(blocks_[k], blocks_[below.place], sizes_[k]);
     for (const Update& update : updates_[k]) {
-      add_product<-1>(blocks_[update.left], inverse_D_[k], blocks_[update.right], blocks_[update.target]);
+      add_product<-1>(blocks_[update.left], inverse_D_[k], blocks_[update.right], blocks_[update.target],
+                      update.columns, sizes_[k]);
     }
   }
   return true;
 }
 
 void BlockLdlt::solve(Mat6X& x) const {
-  for (int k = 0; k < n_; ++k) {
+  for (int k = 0; k < size(); ++k) {
     Vec6 own = x.col(k);
     solve_lower(blocks_[k], own);
     x.col(k) = own;
     own.array() *= inverse_D_[k].array();
     for (const Below& below : below_[k]) x.col(below.row).noalias() -= blocks_[below.place] * own;
   }
-  for (int k = n_ - 1; k >= 0; --k) {
+  for (int k = size() - 1; k >= 0; --k) {
     Vec6 own = x.col(k);
     for (const Below& below : below_[k]) own.noalias() -= blocks_[below.place].transpose() * x.col(below.row);
     own.array() *= inverse_D_[k].array();

@@ -99,7 +99,9 @@ void InertiaElimination::lay_out(const std::vector<std::vector<int>>& rows,
     for (NodeOfBlock& one : own) one.node = turn[one.node];
     std::sort(own.begin(), own.end(), [](const auto& one, const auto& other) { return one.node < other.node; });
   }
-  H_ = BlockLdlt(n, pairs_of());
+  std::vector<int> sizes;
+  for (const std::vector<int>& own : nodes_) sizes.push_back(static_cast<int>(own.size()));
+  H_ = BlockLdlt(std::move(sizes), pairs_of());
   multipliers_.setZero(6, n);
   row_residuals_.setZero(6, n);
   row_terms_.setZero(6, n);
@@ -127,10 +129,6 @@ void InertiaElimination::add_legs(Part& part, const std::vector<NodeOfBlock>& ow
 
 bool InertiaElimination::factor(const Equations& equations) {
   H_.set_zero();
-  for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    Mat6& own = H_.block(static_cast<int>(k));
-    for (int row = static_cast<int>(nodes_[k].size()); row < kNodeSize; ++row) own(row, row) = 1.0;
-  }
   for (Part& part : parts_) {
     if (!factor_inertia(equations, part)) return false;
     for (Leg& leg : legs_of(part)) {
@@ -149,8 +147,8 @@ bool InertiaElimination::factor_inertia(const Equations& equations, Part& part) 
   const Vec6 least = kLeastPivot * part.L_rigid.diagonal();
   if (part.n_modes > 0) {
     part.coupling = part.M.rightCols(part.n_modes);
-    divide_rows(part.L_modal, part.coupling);
-    add_product<-1>(part.coupling, part.inverse_D_modal, part.coupling, part.L_rigid);
+    divide_rows(part.L_modal, part.coupling, part.n_modes);
+    add_product<-1>(part.coupling, part.inverse_D_modal, part.coupling, part.L_rigid, 6, part.n_modes);
   }
   return factor_block(part.L_rigid, part.inverse_D_rigid, least);
 }
@@ -170,10 +168,10 @@ void InertiaElimination::divide_by_inertia(const Part& part, Leg& leg) {  // (C6
   auto rigid = leg.W.leftCols<6>();
   if (part.n_modes > 0) {
     auto modal = leg.W.rightCols(part.n_modes);
-    divide_rows(part.L_modal, modal);
-    add_product<-1>(modal, part.inverse_D_modal, part.coupling, rigid);
+    divide_rows(part.L_modal, modal, part.n_modes);
+    add_product<-1>(modal, part.inverse_D_modal, part.coupling, rigid, 6, part.n_modes);
   }
-  divide_rows(part.L_rigid, rigid);
+  divide_rows(part.L_rigid, rigid, 6);
 }
 
 /// H += W D^-1 W^T of all pairs of nodes on a body.
@@ -185,9 +183,10 @@ void InertiaElimination::add_to_rows(const Part& part) {  // (C66)
       const Mat6X& W_column = legs_[column].W;
       const int n = static_cast<int>(legs_[column].own.size());
       Mat6& block = H_.block(*place++);
-      add_product<1>(W_row.leftCols<6>(), part.inverse_D_rigid, W_column.leftCols<6>(), block, n);
+      add_product<1>(W_row.leftCols<6>(), part.inverse_D_rigid, W_column.leftCols<6>(), block, n, 6);
       if (part.n_modes == 0) continue;
-      add_product<1>(W_row.rightCols(part.n_modes), part.inverse_D_modal, W_column.rightCols(part.n_modes), block, n);
+      add_product<1>(W_row.rightCols(part.n_modes), part.inverse_D_modal, W_column.rightCols(part.n_modes), block, n,
+                     part.n_modes);
     }
   }
 }

@@ -14,6 +14,8 @@ namespace {
 
 using testing::Numbers;
 
+/// Of each block row.
+const std::vector<int> kSizes = {6, 3, 5, 1, 6, 4, 2};
 constexpr int kBlocks = 7;
 
 /// A ring with two chords, in an order that fills.
@@ -21,18 +23,26 @@ const std::vector<BlockLdlt::Pair> kPairs = {{0, 3}, {3, 6}, {6, 1}, {1, 4}, {4,
 
 class Assembled {
  public:
-  explicit Assembled(double least_eigenvalue) : factors_(kBlocks, kPairs), dense_(6 * kBlocks, 6 * kBlocks) {
+  explicit Assembled(double least_eigenvalue) : factors_(kSizes, kPairs), dense_(6 * kBlocks, 6 * kBlocks) {
     Numbers numbers(17);
     dense_.setZero();
     for (const auto& [one, other] : kPairs) {
-      const MatX root = numbers.matrix(12, 4);
+      MatX root = numbers.matrix(12, 2);
+      root.middleRows(kSizes[one], 6 - kSizes[one]).setZero();
+      root.bottomRows(6 - kSizes[other]).setZero();
       add(one, one, root.topRows(6) * root.topRows(6).transpose());
       add(other, other, root.bottomRows(6) * root.bottomRows(6).transpose());
       add(std::max(one, other), std::min(one, other),
           one > other ? MatX(root.topRows(6) * root.bottomRows(6).transpose())
                       : MatX(root.bottomRows(6) * root.topRows(6).transpose()));
     }
-    for (int k = 0; k < kBlocks; ++k) add(k, k, least_eigenvalue * MatX::Identity(6, 6));
+    for (int k = 0; k < kBlocks; ++k) {
+      const int size = kSizes[k];
+      MatX own = MatX::Zero(6, 6);
+      own.topLeftCorner(size, size) = least_eigenvalue * MatX::Identity(size, size);
+      add(k, k, own);
+      dense_.block(6 * k, 6 * k, 6, 6).diagonal().tail(6 - size).setOnes();
+    }
   }
 
   BlockLdlt factors_;
@@ -50,6 +60,7 @@ TEST(BlockLdlt, SolvesAsADenseFactorizationDoes) {
   Assembled matrix(0.5);
   ASSERT_TRUE(matrix.factors_.factor(1e-9));
   Mat6X x = Numbers(18).matrix(6, kBlocks);
+  for (int k = 0; k < kBlocks; ++k) x.col(k).tail(6 - kSizes[k]).setZero();
   const VecX exact = matrix.dense_.ldlt().solve(VecX(x.reshaped()));
   matrix.factors_.solve(x);
   EXPECT_LT((x.reshaped() - exact).norm(), 1e-12 * exact.norm());
@@ -62,7 +73,7 @@ TEST(BlockLdlt, TellsAMatrixThatIsNotPositive) {
 
 TEST(BlockLdlt, AChainHasNoFill) {
   const std::vector<BlockLdlt::Pair> pairs = {{0, 1}, {2, 1}, {2, 3}};
-  const BlockLdlt chain(4, pairs);
+  const BlockLdlt chain({5, 5, 5, 5}, pairs);
   EXPECT_NO_THROW((void)chain.find(2, 1));
   EXPECT_THROW((void)chain.find(2, 0), std::logic_error);
   EXPECT_THROW((void)chain.find(3, 1), std::logic_error);
