@@ -1,6 +1,4 @@
 #include <fmt/format.h>
-#include <pwd.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <map>
@@ -26,11 +24,6 @@ namespace concord::compare::nightly {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string user_words() {
-  const passwd* user = getpwuid(geteuid());
-  return user != nullptr ? user->pw_name : fmt::format("user {}", geteuid());
-}
 
 /// What is asked to be accepted.
 struct Asked {
@@ -199,16 +192,9 @@ class Acceptance {
   }
 
   void write() {
-    const Origin origin = origin_of_program(command_.commit);
     if (!log_.empty()) {
-      const fs::path log = log_of(asked_.suite.baselines);
-      std::error_code unknown;
-      const std::string earlier = fs::exists(log, unknown) ? read_text_file(log) : "";
-      std::string reason = command_.reason;
-      std::replace(reason.begin(), reason.end(), '\n', ' ');
       write_file(asked_.suite.baselines, format_baselines(baselines_));
-      write_file(log, earlier + fmt::format("{} UTC, {}, {} ({}, {}): {}\n{}", utc_now(), user_words(), origin.version,
-                                            origin.commit, origin.compiler, reason, log_));
+      write_down(asked_.suite.baselines, origin_of_program(command_.commit), command_.reason, log_);
     }
     console_.out << log_
                  << fmt::format("{}: {} accepted, {} not{}\n", asked_.suite.baselines.generic_string(), accepted_,

@@ -1,12 +1,17 @@
 #include "compare/nightly/baseline.h"
 
 #include <fmt/format.h>
+#include <pwd.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "common/error.h"
 #include "common/reading/text_file.h"
+#include "compare/nightly/night.h"
+#include "compare/report/files.h"
 #include "compare/report/whole_number.h"
 
 namespace concord::compare::nightly {
@@ -47,6 +52,11 @@ std::string component_line(const Component& one) {
   return format_fields({"", one.name, rounded_digits(one.same_state), rounded_digits(one.resolvable),
                         rounded_digits(one.same_run), rounded_digits(one.refined), rounded_value(one.peak),
                         rounded_value(one.scale)});
+}
+
+std::string user_words() {
+  const passwd* user = getpwuid(geteuid());
+  return user != nullptr ? user->pw_name : fmt::format("user {}", geteuid());
 }
 
 /// Reads line by line and knows where it is.
@@ -228,6 +238,17 @@ Baselines read_baselines(const std::filesystem::path& file) {
 
 std::filesystem::path log_of(const std::filesystem::path& baselines) {
   return std::filesystem::path(baselines).replace_extension(".log");
+}
+
+void write_down(const std::filesystem::path& baselines, const Origin& origin, const std::string& reason,
+                const std::string& changes) {
+  const std::filesystem::path log = log_of(baselines);
+  std::error_code unknown;
+  const std::string earlier = std::filesystem::exists(log, unknown) ? read_text_file(log) : "";
+  std::string in_one_line = reason;
+  std::replace(in_one_line.begin(), in_one_line.end(), '\n', ' ');
+  write_file(log, earlier + fmt::format("{} UTC, {}, {} ({}, {}): {}\n{}", utc_now(), user_words(), origin.version,
+                                        origin.commit, origin.compiler, in_one_line, changes));
 }
 
 Result as_baseline(const Result& result) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "compare/nightly/result.h"
+#include "compare/report/origin.h"
 
 /// Accepted results as text that is kept in version control beside the suite. Holds no time, host or folder: the same
 /// results give the same bytes.
@@ -25,6 +26,11 @@ Baselines read_baselines(const std::filesystem::path& file);
 
 /// Where it is written down who accepted what, and why: beside the baselines.
 std::filesystem::path log_of(const std::filesystem::path& baselines);
+
+/// Adds to log_of(baselines) that now this program's results were accepted, for this reason, with these lines of what
+/// changed.
+void write_down(const std::filesystem::path& baselines, const Origin& origin, const std::string& reason,
+                const std::string& changes);
 
 /// What a baseline keeps of a result.
 Result as_baseline(const Result& result);
