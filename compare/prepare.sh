@@ -11,7 +11,7 @@ packages=(
   libtomlplusplus-dev libmuparser-dev libnetcdf-dev nlohmann-json3-dev libcli11-dev libfmt-dev libsqlite3-dev
   gnuplot-nox
 )
-packages_of_tests=(libgtest-dev libgmock-dev librapidcheck-dev catch2 libbenchmark-dev)
+packages_of_tests=(libgtest-dev libgmock-dev librapidcheck-dev catch2 valgrind)
 packages_of_python=(pybind11-dev python3-dev python3-numpy)
 packages_of_oracle=(libsimbody-dev)
 
