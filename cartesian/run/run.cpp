@@ -131,11 +131,13 @@ class Run {
     GrowthWatch growth(equations_.model(), trajectory.samples.front().state);
     for (int k = 1; k <= options_.samples; ++k) {
       const double t = k == options_.samples ? options_.until : options_.until * k / options_.samples;
-      while (reached_ < t) step_toward(t);
+      while (reached_ < t) {
+        step_toward(t);
+        if (progress) progress(reached_);
+      }
       close_at_output(t);
       trajectory.samples.push_back(sample(t, trajectory.statistics));
       growth.follow(trajectory.samples.back().state, "cartesian");
-      if (progress) progress(t);
     }
     trajectory.statistics.steps = stepper_->steps();
     trajectory.statistics.evaluations = stepper_->evaluations();

@@ -24,7 +24,7 @@ using StopFlag = std::atomic<bool>;
 /// Throws Stopped if the flag is set.
 void check(const StopFlag& stop);
 
-/// Makers of both solvers; each call of a solver, and each sample of a run, looks at the flag, which must outlive them.
+/// Makers of both solvers; each call of a solver, and each step of a run, looks at the flag, which must outlive them.
 SolverMakers stoppable_makers(const StopFlag& stop);
 
 /// Raises what a signal handler of Python raises; nothing if no signal came. The caller holds the interpreter.

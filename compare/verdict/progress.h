@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -34,9 +35,12 @@ class CheckProgress {
     tell_now(check);
   }
 
+  /// Told again from hundredth to hundredth.
   void advance(std::string_view check, Who who, double done) {
     const std::lock_guard lock(guard_);
-    done_[std::string(check)][index(who)] = done;
+    double& known = done_[std::string(check)][index(who)];
+    if (std::floor(100.0 * known) == std::floor(100.0 * done)) return;
+    known = done;
     if (check == current_) tell_now(check);
   }
 

@@ -23,7 +23,7 @@ class RunsAhead {
   /// `integrators`: by Who. What is referred to must outlive this.
   RunsAhead(const Model& model, const SolverMakers& makers, const RunOptions& run,
             const std::array<std::string, 2>& integrators, const char* what, Turns& turns, CheckProgress& progress);
-  /// Waits until both have seen that nobody wants them, at their next sample.
+  /// Waits until both have seen that nobody wants them, at the end of their steps.
   ~RunsAhead();
   RunsAhead(const RunsAhead&) = delete;
   RunsAhead& operator=(const RunsAhead&) = delete;

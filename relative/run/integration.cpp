@@ -52,10 +52,11 @@ std::unique_ptr<Stepper> make_stepper(const std::string& integrator, Integration
 /// within its steps.
 class Course {
  public:
-  /// The run must outlive this object.
+  /// The run and whom progress is told to must outlive this object.
   Course(IntegrationRun& run, Equations& equations, const Coordinates& start, const RunOptions& options,
-         const std::string& integrator)
+         const std::string& integrator, const Progress& progress)
       : run_(&run),
+        progress_(progress),
         numbers_(packed(run, start)),
         stepper_(make_stepper(integrator, run, numbers_, options.until)),
         events_(
@@ -77,7 +78,10 @@ class Course {
   /// reason.
   const VecX& numbers_at(double t) {
     try {
-      while (t - stepper_->t() > shortest_) step(t);
+      while (t - stepper_->t() > shortest_) {
+        step(t);
+        if (progress_) progress_(stepper_->t());
+      }
       if (stepper_->t() - t > shortest_) {
         stepper_->interpolate(t, numbers_);
       } else {
@@ -113,6 +117,7 @@ class Course {
   }
 
   IntegrationRun* run_;
+  const Progress& progress_;
   VecX numbers_;
   std::unique_ptr<Stepper> stepper_;
   RegimeEvents events_;
@@ -133,7 +138,7 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
   const std::string integrator = chosen_integrator(equations.model(), options.integrator);
   IntegrationRun run(equations, assembly, start, options, integrator);
   const RowsOfSteps rows(equations);
-  Course course(run, equations, start, options, integrator);
+  Course course(run, equations, start, options, integrator, progress);
   Trajectory trajectory;
   std::optional<GrowthWatch> growth;
   for (int i = 0; i <= options.samples; ++i) {
@@ -145,7 +150,6 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
     StateMisfit misfit;
     (void)states.read(trajectory.samples.back().state, misfit);
     trajectory.statistics.max_constraint = std::max(trajectory.statistics.max_constraint, misfit.largest);
-    if (progress) progress(t);
     course.count_turns();
   }
   trajectory.statistics.steps = course.steps();

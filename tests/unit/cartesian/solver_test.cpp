@@ -308,6 +308,25 @@ TEST(CartesianSolver, RunsAMachineThatOnlyVibrates) {
   EXPECT_GT(largest, 0.005);
 }
 
+TEST(CartesianSolver, EndsARunAfterTheStepInWhichNobodyWantsItAnyMore) {
+  const Model model = make_pendulum();
+  for (const std::string integrator : {"gauss", "ida"}) {
+    RunOptions options;
+    options.until = 40.0;
+    options.samples = 1;
+    options.rtol = 1e-9;
+    options.integrator = integrator;
+    double reached = 0.0;
+    const auto stop = [&](double t) {
+      reached = t;
+      throw std::string("enough");
+    };
+    EXPECT_THROW((void)make_solver(model)->integrate(options, stop), std::string);
+    EXPECT_GT(reached, 0.0) << integrator;
+    EXPECT_LT(reached, 4.0) << integrator;
+  }
+}
+
 TEST(CartesianSolver, TangentHoldsWhatTheJointPermits) {
   Model model = make_pendulum();
   testing::Numbers numbers(125);

@@ -53,6 +53,20 @@ TEST(Integration, FollowsTheClosedFormOfAFreeSymmetricBody) {
   }
 }
 
+TEST(Integration, EndsAfterTheStepInWhichNobodyWantsItAnyMore) {
+  const Model model = free_symmetric_body();
+  for (const std::string integrator : {"adams", "dirk"}) {
+    double reached = 0.0;
+    const auto stop = [&](double t) {
+      reached = t;
+      throw std::string("enough");
+    };
+    EXPECT_THROW((void)make_solver(model)->integrate(options(4.0, 1, 1e-10, integrator), stop), std::string);
+    EXPECT_GT(reached, 0.0) << integrator;
+    EXPECT_LT(reached, 0.1) << integrator;
+  }
+}
+
 /// A mass on a slide.
 Model mass_on_slide(unsigned seed) {
   test::Numbers numbers(seed);
