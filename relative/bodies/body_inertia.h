@@ -19,28 +19,28 @@ struct MassMoments {
   void take_rotated(const MassMoments& before, const Mat3& A) {
     mass = before.mass;
     multiply(A, before.h.data(), h.data());
-    Mat3 AI;
-    multiply(A, before.I, AI);
-    multiply_transpose(AI, A, I);
+    rotate_symmetric(A, before.I, I);
   }
 
   /// The block [m 1, -h~; h~, I] of M that belongs to [vdot; omegadot] (R26).
-  void fill(Mat6& M) const {
-    const double columns[3][6] = {{mass, 0.0, 0.0, 0.0, h.z(), -h.y()},
-                                  {0.0, mass, 0.0, -h.z(), 0.0, h.x()},
-                                  {0.0, 0.0, mass, h.y(), -h.x(), 0.0}};
-    for (int c = 0; c < 3; ++c) {
-      for (int row = 0; row < 6; ++row) M(row, c) = columns[c][row];
-      for (int row = 0; row < 3; ++row) {
-        M(row, 3 + c) = columns[row][3 + c];
-        M(3 + row, 3 + c) = I(row, c);
-      }
-    }
+  [[gnu::always_inline]] void fill(Mat6& M) const {
+    const auto write = [&M](int column, const Pair& first, const Pair& second, const Pair& third) {
+      double* to = M.col(column).data();
+      store_pair(first, to);
+      store_pair(second, to + 2);
+      store_pair(third, to + 4);
+    };
+    write(0, Pair{mass, 0.0}, Pair{0.0, 0.0}, Pair{h.z(), -h.y()});
+    write(1, Pair{0.0, mass}, Pair{0.0, -h.z()}, Pair{0.0, h.x()});
+    write(2, Pair{0.0, 0.0}, Pair{mass, h.y()}, Pair{-h.x(), 0.0});
+    write(3, Pair{0.0, -h.z()}, Pair{h.y(), I(0, 0)}, Pair{I(1, 0), I(2, 0)});
+    write(4, Pair{h.z(), 0.0}, Pair{-h.x(), I(0, 1)}, Pair{I(1, 1), I(2, 1)});
+    write(5, Pair{-h.y(), h.x()}, Pair{0.0, I(0, 2)}, Pair{I(1, 2), I(2, 2)});
   }
 
   /// S - Q of the six rigid rows, of Q gravity alone, without deformation rates: centrifugal, gyroscopic and gravity
   /// terms (R27).
-  [[nodiscard]] Vec6 bias(const Vec3& omega, const Vec3& gravity) const {
+  [[gnu::always_inline]] [[nodiscard]] Vec6 bias(const Vec3& omega, const Vec3& gravity) const {
     Vec6 p;
     p.head<3>() = cross(omega, cross(omega, h)) - mass * gravity;
     p.tail<3>() = cross(omega, relative::times(I, omega)) - cross(h, gravity);
@@ -48,7 +48,7 @@ struct MassMoments {
   }
 
   /// The six rigid rows of M [vdot; omegadot].
-  [[nodiscard]] Vec6 times(const Vec6& Vdot) const {
+  [[gnu::always_inline]] [[nodiscard]] Vec6 times(const Vec6& Vdot) const {
     Vec6 f;
     f.head<3>() = mass * Vdot.head<3>() - cross(h, Vdot.tail<3>());
     f.tail<3>() = cross(h, Vdot.head<3>()) + relative::times(I, Vdot.tail<3>());

@@ -162,19 +162,6 @@ void Mobilizer::count_turns(const double* turns) {
   if (is_by_functions()) std::copy_n(turns, n_q_, turns_.begin());
 }
 
-/// What (R9) makes of one turn.
-Mobilizer::Turned Mobilizer::turn_again(double angle, double speed, JointMotion& motion) const {
-  Turned turned{};
-  ::sincos(angle, &turned.sine, &turned.cosine);
-  const int second = (only_turn_ + 1) % 3;
-  const int third = (only_turn_ + 2) % 3;
-  motion.R(second, second) = motion.R(third, third) = turned.cosine;
-  motion.R(third, second) = turned.sine;
-  motion.R(second, third) = -turned.sine;
-  motion.v_rel(3 + only_turn_) = speed;
-  return turned;
-}
-
 void Mobilizer::evaluate(const double* q, const double* u, JointMotion& motion) const {
   motion.d.setZero();
   motion.R.setIdentity();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "common/joints/joint_type.h"
 #include "common/types.h"
@@ -52,7 +53,17 @@ class Mobilizer {
     double sine, cosine;
   };
   /// The same as evaluate() where the child can do nothing but turn, for a motion that evaluate() has written before.
-  Turned turn_again(double angle, double speed, JointMotion& motion) const;
+  Turned turn_again(double angle, double speed, JointMotion& motion) const {
+    Turned turned{};
+    ::sincos(angle, &turned.sine, &turned.cosine);
+    const int second = only_turn_ == 2 ? 0 : only_turn_ + 1;
+    const int third = only_turn_ == 0 ? 2 : only_turn_ - 1;
+    motion.R(second, second) = motion.R(third, third) = turned.cosine;
+    motion.R(third, second) = turned.sine;
+    motion.R(second, third) = -turned.sine;
+    motion.v_rel(3 + only_turn_) = speed;
+    return turned;
+  }
   /// Whether a link on two turns carries the child, so that two sets of coordinates name each pose.
   [[nodiscard]] bool has_elevation() const { return structure_.elevation >= 0; }
   /// Whether coordinate q[c] is an angle, whose whole turns may be counted apart.

@@ -44,25 +44,85 @@ using Pair [[gnu::vector_size(16)]] = double;
   result[1] = second;
 }
 
+/// The columns of a matrix of three rows, held where several products need them.
+struct ThreeColumns {
+  Pair upper[3];
+  double last[3];
+
+  [[gnu::always_inline]] explicit ThreeColumns(const Mat3& A)
+      : upper{load_pair(A.data()), load_pair(A.data() + 3), load_pair(A.data() + 6)}, last{A(2, 0), A(2, 1), A(2, 2)} {}
+
+  /// The columns times x, y, z: the first two rows, and the third.
+  [[gnu::always_inline]] [[nodiscard]] Pair upper_times(double x, double y, double z) const {
+    return upper[0] * x + upper[1] * y + upper[2] * z;
+  }
+  [[gnu::always_inline]] [[nodiscard]] double last_times(double x, double y, double z) const {
+    return last[0] * x + last[1] * y + last[2] * z;
+  }
+  /// The same, written to three numbers.
+  [[gnu::always_inline]] void multiply(double x, double y, double z, double* result) const {
+    store_pair(upper_times(x, y, z), result);
+    result[2] = last_times(x, y, z);
+  }
+};
+
 /// A B, which is another matrix than either.
 [[gnu::always_inline]] inline void multiply(const Mat3& A, const Mat3& B, Mat3& AB) {
-  multiply(A, B.data(), AB.data());
-  multiply(A, B.data() + 3, AB.data() + 3);
-  multiply(A, B.data() + 6, AB.data() + 6);
+  const ThreeColumns a(A);
+  const double* b = B.data();
+  a.multiply(b[0], b[1], b[2], AB.data());
+  a.multiply(b[3], b[4], b[5], AB.data() + 3);
+  a.multiply(b[6], b[7], b[8], AB.data() + 6);
 }
 
 /// A B^T, which is another matrix than either.
 [[gnu::always_inline]] inline void multiply_transpose(const Mat3& A, const Mat3& B, Mat3& ABt) {
+  const ThreeColumns a(A);
   const double* b = B.data();
-  const double rows[9] = {b[0], b[3], b[6], b[1], b[4], b[7], b[2], b[5], b[8]};
-  multiply(A, rows, ABt.data());
-  multiply(A, rows + 3, ABt.data() + 3);
-  multiply(A, rows + 6, ABt.data() + 6);
+  a.multiply(b[0], b[3], b[6], ABt.data());
+  a.multiply(b[1], b[4], b[7], ABt.data() + 3);
+  a.multiply(b[2], b[5], b[8], ABt.data() + 6);
+}
+
+/// A S A^T of a symmetric S, itself symmetric to the last bit; another matrix than either.
+[[gnu::always_inline]] inline void rotate_symmetric(const Mat3& A, const Mat3& S, Mat3& rotated) {
+  Mat3 AS;
+  multiply(A, S, AS);
+  const ThreeColumns as(AS);
+  const double* a = A.data();
+  double* r = rotated.data();
+  const Pair second = as.upper_times(a[1], a[4], a[7]);
+  const Pair third = as.upper_times(a[2], a[5], a[8]);
+  r[0] = as.upper[0][0] * a[0] + as.upper[1][0] * a[3] + as.upper[2][0] * a[6];
+  r[1] = second[0];
+  r[2] = third[0];
+  store_pair(second, r + 3);
+  r[5] = third[1];
+  store_pair(third, r + 6);
+  r[8] = as.last_times(a[2], a[5], a[8]);
 }
 
 /// a x b.
 [[gnu::always_inline]] inline Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x()};
+  Vec3 result;
+  store_pair(Pair{a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z()}, result.data());
+  result.z() = a.x() * b.y() - a.y() * b.x();
+  return result;
+}
+
+/// A^T F and A^T T of a wrench w = [F; T], both at once.
+[[gnu::always_inline]] inline void multiply_transpose(const Mat3& A, const Vec6& w, Vec3& force, Vec3& torque) {
+  const double* a = A.data();
+  const Pair x{w(0), w(3)};
+  const Pair y{w(1), w(4)};
+  const Pair z{w(2), w(5)};
+  const Pair first = x * a[0] + y * a[1] + z * a[2];
+  const Pair second = x * a[3] + y * a[4] + z * a[5];
+  const Pair third = x * a[6] + y * a[7] + z * a[8];
+  store_pair(Pair{first[0], second[0]}, force.data());
+  force.z() = third[0];
+  store_pair(Pair{first[1], second[1]}, torque.data());
+  torque.z() = third[1];
 }
 
 /// Two rows of M x.

@@ -55,7 +55,7 @@ void Kinematics::lay_out_places() {
     places_.push_back({&mobilizers_[link.joint], &joint_motions_[link.joint],
                        &moving_point(link.joint, link.reference_side()), &moving_point(link.joint, link.own_side()),
                        &bodies_[link.reference], &bodies_[link.body], &blocks_[l], span.first_q, span.first_u,
-                       link.along ? 1.0 : -1.0, is_flexible});
+                       mobilizers_[link.joint].only_turn(), link.along ? 1.0 : -1.0, is_flexible});
   }
 }
 
@@ -90,7 +90,13 @@ VecX Kinematics::whole_turns(const VecX& q, double least) const {
 void Kinematics::update(const VecX& q, const VecX& u) {
   q_ = q;
   u_ = u;
-  for (const LinkIndex l : upward<LinkIndex>(topology_.links.size())) update_link(l);
+  for (const LinkIndex l : upward<LinkIndex>(places_.size())) {
+    if (places_[l].only_turn >= 0) {
+      update_turning_link(l);
+    } else {
+      update_link(l);
+    }
+  }
   place_cut_joint_points();
 }
 
@@ -136,7 +142,6 @@ void Kinematics::deform_both_sides(const Link& link) {
 
 void Kinematics::update_link(LinkIndex l) {
   const LinkPlaces& at = places_[l];
-  if (at.mobilizer->only_turn() >= 0) return update_turning_link(l, at.mobilizer->only_turn());
   const Link& link = topology_.links[l];
   at.mobilizer->evaluate(q_.data() + at.first_q, u_.data() + at.first_u, *at.motion);
   require_rank(link.joint, *at.motion);
@@ -154,8 +159,9 @@ void Kinematics::update_link(LinkIndex l) {
 
 /// All of it in closed form where the joint can do nothing but turn: the points coincide, the frame's other axes mix,
 /// and Sdot u vanishes.
-void Kinematics::update_turning_link(LinkIndex l, int axis) {  // (R80)
+void Kinematics::update_turning_link(LinkIndex l) {  // (R80)
   const LinkPlaces& at = places_[l];
+  const int axis = at.only_turn;
   const double speed = u_(at.first_u);
   const auto [sine, cosine] = at.mobilizer->turn_again(q_(at.first_q), speed, *at.motion);
   if (at.is_flexible) deform_both_sides(topology_.links[l]);
@@ -181,7 +187,8 @@ void Kinematics::update_turning_link(LinkIndex l, int axis) {  // (R80)
   LinkBlocks& blocks = *at.blocks;
   const Vec3 from_own = -own.lever;
   blocks.rho = reference.lever - own.lever;
-  blocks.H.col(0) << cross(turn, from_own), turn;
+  blocks.H.col(0).head<3>() = cross(turn, from_own);
+  blocks.H.col(0).tail<3>() = turn;
   // The parent's omega differs from the reference's by the spin at most, whose cross product with itself vanishes.
   const Vec3 turning = cross(reference.omega, spin) + reference.bias.tail<3>() - own.bias.tail<3>();
   blocks.D.head<3>() = cross(turning, from_own) + (reference.bias.head<3>() - own.bias.head<3>());

@@ -128,7 +128,7 @@ class Kinematics {
   };
 
   void update_link(LinkIndex l);
-  void update_turning_link(LinkIndex l, int axis);
+  void update_turning_link(LinkIndex l);
   /// What the forward pass reads and writes on a link, where it stands.
   struct LinkPlaces {
     const Mobilizer* mobilizer;
@@ -139,6 +139,7 @@ class Kinematics {
     BodyMotion* body;
     LinkBlocks* blocks;
     int first_q, first_u;
+    int only_turn;     // the axis, if the joint can do nothing but turn; else -1
     double sign;       // 1 if the tree runs along the joint, else -1
     bool is_flexible;  // whether either body has modes
   };

@@ -35,6 +35,7 @@ ArticulatedInertias::ArticulatedInertias(const Kinematics& kinematics, const Pre
         link.free[link.n_free++] = span.first_u + c;
       }
     }
+    reference_of_link_.push_back(topology.inward_link(l));
     const int m = topology.modes[topology.links[l].body].n_u;
     if (m == 0) continue;
     flexible_of_link_[l] = static_cast<int>(flexible_.size());
@@ -79,9 +80,20 @@ void ArticulatedInertias::gather_columns(LinkIndex l, const VecX& udot) {  // (R
   ArticulatedBody& link = links_[l];
   const LinkBlocks& blocks = kinematics_->blocks(l);
   link.c = blocks.D;
-  if (link.n_driven == 0) return;
   for (int k = 0; k < link.n_driven; ++k) link.c += blocks.H.col(link.driven_column[k]) * udot(link.driven[k]);
   for (int k = 0; k < link.n_free; ++k) link.H_free.col(k) = blocks.H.col(link.free_column[k]);
+}
+
+/// Adds what is left of a link's inertia (its upper triangle) and bias force to its reference body: Sh^T I Sh, Sh^T p
+/// (R36).
+void ArticulatedInertias::add_to_reference_body(LinkIndex l, const Mat6& I, const Vec6& p) {
+  const std::optional<LinkIndex> reference = reference_of_link_[l];
+  if (!reference) return;
+  const Vec3& rho = kinematics_->blocks(l).rho;
+  ArticulatedBody& to = links_[*reference];
+  add_shifted(I, rho, to.articulated_inertia);
+  to.bias_force += shift_wrench(p, rho);
+  if (flexible_of_link_[*reference]) add_to_reference_modes(l, *reference, I, p);
 }
 
 void ArticulatedInertias::compute(const std::vector<BodyInertia>& inertias, const AppliedForces& applied,
@@ -90,12 +102,13 @@ void ArticulatedInertias::compute(const std::vector<BodyInertia>& inertias, cons
   load_bodies(inertias);
   subtract_applied(applied);
   for (const LinkIndex l : downward<LinkIndex>(links_.size())) {
-    gather_columns(l, udot);
+    if (links_[l].n_driven > 0) gather_columns(l, udot);
     if (flexible_of_link_[l]) {
       eliminate_flexible(l);
     } else if (links_[l].n_free == 0) {
       const ArticulatedBody& link = links_[l];
-      add_to_reference_body(l, link.articulated_inertia, link.bias_force + link.articulated_inertia * link.c);
+      add_to_reference_body(l, link.articulated_inertia,
+                            link.bias_force + link.articulated_inertia * given_acceleration(l));
     } else {
       with_constant(links_[l].n_free, [&](auto n) { eliminate_rigid<n()>(l); });
     }
@@ -106,7 +119,7 @@ template <int N>
 void ArticulatedInertias::eliminate_rigid(LinkIndex l) {  // (R34), (R35)
   ArticulatedBody& link = links_[l];
   const Mat6& H = free_columns(l);
-  const Vec6 p = link.bias_force + times(link.articulated_inertia, link.c);
+  const Vec6 p = link.bias_force + times(link.articulated_inertia, given_acceleration(l));
   Mat6 V;
   Vec6 w;
   for (int j = 0; j < N; ++j) V.col(j) = times(link.articulated_inertia, H.col(j));
@@ -122,7 +135,7 @@ void ArticulatedInertias::eliminate_rigid(LinkIndex l) {  // (R34), (R35)
     link.root(j) = std::sqrt(link.L(j, j));
     link.uhat(j) = w(j) / link.root(j);
   }
-  if (kinematics_->topology().links[l].reference == kGround) return;
+  if (!reference_of_link_[l]) return;
   Mat6 left;
   take_off_products<N>(link.articulated_inertia, V, link.W, left);
   add_to_reference_body(l, left, p + combination<N>(link.W, w));
@@ -141,11 +154,12 @@ void ArticulatedInertias::eliminate_flexible(LinkIndex l) {  // (R34), (R35)
   f.U_a.rightCols(m) += f.inertia_aa;
   f.D.noalias() = f.H.transpose() * f.U;
   f.D.bottomRows(m) += f.U_a;
-  const Vec6 p = link.bias_force + link.articulated_inertia * link.c;
+  const Vec6& c = given_acceleration(l);
+  const Vec6 p = link.bias_force + link.articulated_inertia * c;
   f.uhat.noalias() = f.H.transpose().lazyProduct(-p);
   f.uhat.head(n_free) += link.tau.head(n_free);
   f.uhat.tail(m) -= f.bias_force_a;
-  f.uhat.tail(m).noalias() -= f.inertia_ra.transpose() * link.c;
+  f.uhat.tail(m).noalias() -= f.inertia_ra.transpose() * c;
   if (f.llt.compute(f.D).info() != Eigen::Success) throw_indefinite(l);
   const double pivot = least_pivot_of(f.llt, f.D);
   if (!(pivot > kRoundOffOfPivot)) throw_indefinite(l);
@@ -161,22 +175,14 @@ void ArticulatedInertias::eliminate_flexible(LinkIndex l) {  // (R34), (R35)
   add_to_reference_body(l, I, p_left);
 }
 
-/// Adds what is left of a link's inertia and bias force to its reference body: Sh^T I Sh, Sh^T p, and the same through
-/// Xa for the modal speeds of the reference body (R36).
-void ArticulatedInertias::add_to_reference_body(LinkIndex l, const Mat6& I, const Vec6& p) {
-  const Link& step = kinematics_->topology().links[l];
-  if (step.reference == kGround) return;
-  const LinkIndex reference = *kinematics_->topology().link_of_body[step.reference];
-  const LinkBlocks& blocks = kinematics_->blocks(l);
-  const Vec3 rho = blocks.rho;
-  ArticulatedBody& to = links_[reference];
-  add_shifted(I, rho, to.articulated_inertia);
-  to.bias_force += shift_wrench(p, rho);
-  if (!flexible_of_link_[reference]) return;
+/// The same through Xa for the modal speeds of the reference body (R36).
+void ArticulatedInertias::add_to_reference_modes(LinkIndex l, LinkIndex reference, const Mat6& I, const Vec6& p) {
   FlexibleArticulatedBody& f = flexible_[*flexible_of_link_[reference]];
+  const LinkBlocks& blocks = kinematics_->blocks(l);
+  const Mat6 I_full = I.selfadjointView<Eigen::Upper>();
   for (Eigen::Index k = 0; k < blocks.Xa.cols(); ++k) {
-    const Vec6 IX = I * blocks.Xa.col(k);
-    f.inertia_ra.col(k) += shift_wrench(IX, rho);
+    const Vec6 IX = times(I_full, blocks.Xa.col(k));
+    f.inertia_ra.col(k) += shift_wrench(IX, blocks.rho);
     f.inertia_aa.col(k).noalias() += blocks.Xa.transpose().lazyProduct(IX);
   }
   f.bias_force_a.noalias() += blocks.Xa.transpose().lazyProduct(p);

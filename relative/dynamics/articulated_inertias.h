@@ -28,7 +28,7 @@ struct ArticulatedBody {
   Mat6 H_free = Mat6::Zero();  // used only where some speeds are driven
   Mat6 articulated_inertia = Mat6::Zero();
   Vec6 bias_force = Vec6::Zero();
-  Vec6 c = Vec6::Zero();    // D and what the driven speeds add
+  Vec6 c = Vec6::Zero();    // D and what the driven speeds add; used only where some are
   Vec6 tau = Vec6::Zero();  // of joint springs on the free speeds
   Mat6 W = Mat6::Zero();    // first n_free columns: those of K over the roots
   Mat6 L = Mat6::Zero();    // n_free x n_free, lower triangle: the columns of L over the roots, pivots on the diagonal
@@ -77,6 +77,11 @@ class ArticulatedInertias {
     return links_[l].n_driven == 0 ? kinematics_->blocks(l).H : links_[l].H_free;
   }
 
+  /// What a link's acceleration has besides its reference body's and its free speeds': D, and what driven speeds add.
+  [[nodiscard]] const Vec6& given_acceleration(LinkIndex l) const {
+    return links_[l].n_driven == 0 ? kinematics_->blocks(l).D : links_[l].c;
+  }
+
   /// Number of unknowns of a link: free joint speeds and modal speeds.
   [[nodiscard]] int n_unknowns(LinkIndex link) const;
 
@@ -101,7 +106,8 @@ class ArticulatedInertias {
   template <int N>
   [[gnu::flatten]] void eliminate_rigid(LinkIndex l);
   void eliminate_flexible(LinkIndex l);
-  [[gnu::noinline]] void add_to_reference_body(LinkIndex l, const Mat6& I, const Vec6& p);
+  [[gnu::always_inline]] inline void add_to_reference_body(LinkIndex l, const Mat6& I, const Vec6& p);
+  [[gnu::noinline]] void add_to_reference_modes(LinkIndex l, LinkIndex reference, const Mat6& I, const Vec6& p);
   template <int N>
   void propagate_force_rigid(LinkIndex l, Mat6X& z_r, MatX& response) const;
   [[noreturn, gnu::noinline]] void throw_indefinite(LinkIndex l) const;
@@ -109,7 +115,8 @@ class ArticulatedInertias {
   const Kinematics* kinematics_;
   double least_pivot_ = 1.0;
   std::vector<ArticulatedBody> links_;
-  std::vector<std::optional<int>> flexible_of_link_;  // index in flexible_; none: rigid
+  std::vector<std::optional<LinkIndex>> reference_of_link_;  // none: ground
+  std::vector<std::optional<int>> flexible_of_link_;         // index in flexible_; none: rigid
   std::vector<FlexibleArticulatedBody> flexible_;
 };
 

@@ -62,7 +62,7 @@ template <int N, class Factors>
   return sum;
 }
 
-/// I - V W^T, of the first N columns of V and W, into another matrix.
+/// I - V W^T, of the first N columns of V and W, into the upper triangle of another matrix: it is symmetric.
 template <int N>
 [[gnu::always_inline]] inline void take_off_products(const Mat6& I, const Mat6& V, const Mat6& W, Mat6& rest) {
   const auto two_rows = [&](int row, int column) {
@@ -70,21 +70,23 @@ template <int N>
     for (int k = 1; k < N; ++k) sum += load_pair(V.data() + 6 * k + row) * W(column, k);
     store_pair(load_pair(I.data() + 6 * column + row) - sum, rest.data() + 6 * column + row);
   };
-  const auto column = [&](int c) {
-    two_rows(0, c);
-    two_rows(2, c);
-    two_rows(4, c);
-  };
-  column(0);
-  column(1);
-  column(2);
-  column(3);
-  column(4);
-  column(5);
+  two_rows(0, 0);
+  two_rows(0, 1);
+  two_rows(0, 2);
+  two_rows(2, 2);
+  two_rows(0, 3);
+  two_rows(2, 3);
+  two_rows(0, 4);
+  two_rows(2, 4);
+  two_rows(4, 4);
+  two_rows(0, 5);
+  two_rows(2, 5);
+  two_rows(4, 5);
 }
 
-/// Adds Sh(rho)^T I Sh(rho) to a sum. With I = [A, B; B^T, C] it is [A, B'; B'^T, C'], where B' = B - A rho~ and
-/// C' = C - B^T rho~ - (B'^T rho~)^T; a row x^T times rho~ is (x cross rho)^T. By pairs of rows, and the third.
+/// Adds Sh(rho)^T I Sh(rho) to a sum, of a symmetric I whose upper triangle is read. With I = [A, B; B^T, C] it is
+/// [A, B'; B'^T, C'], where B' = B - A rho~ and C' = C - B^T rho~ - (B'^T rho~)^T; a row x^T times rho~ is
+/// (x cross rho)^T. By pairs of rows, and the third.
 [[gnu::always_inline]] inline void add_shifted(const Mat6& I, const Vec3& rho, Mat6& sum) {
   const double x = rho.x();
   const double y = rho.y();
@@ -96,17 +98,20 @@ template <int N>
     add_pair(pair, to);
     to[2] += third;
   };
-  const Pair A0 = load_pair(a);
+  const Pair A0{a[0], a[6]};
   const Pair A1 = load_pair(a + 6);
   const Pair A2 = load_pair(a + 12);
-  const Pair B0 = load_pair(a + 18) - (A1 * z - A2 * y);
-  const Pair B1 = load_pair(a + 24) - (A2 * x - A0 * z);
-  const Pair B2 = load_pair(a + 30) - (A0 * y - A1 * x);
-  const double b0 = a[20] - (a[8] * z - a[14] * y);
-  const double b1 = a[26] - (a[14] * x - a[2] * z);
-  const double b2 = a[32] - (a[2] * y - a[8] * x);
-  add_three(A0, a[2], s);
-  add_three(A1, a[8], s + 6);
+  const Pair upper_B0 = load_pair(a + 18);
+  const Pair upper_B1 = load_pair(a + 24);
+  const Pair upper_B2 = load_pair(a + 30);
+  const Pair B0 = upper_B0 - (A1 * z - A2 * y);
+  const Pair B1 = upper_B1 - (A2 * x - A0 * z);
+  const Pair B2 = upper_B2 - (A0 * y - A1 * x);
+  const double b0 = a[20] - (A2[1] * z - a[14] * y);
+  const double b1 = a[26] - (a[14] * x - A2[0] * z);
+  const double b2 = a[32] - (A2[0] * y - A2[1] * x);
+  add_three(A0, A2[0], s);
+  add_three(A1, A2[1], s + 6);
   add_three(A2, a[14], s + 12);
   add_three(B0, b0, s + 18);
   add_three(B1, b1, s + 24);
@@ -115,19 +120,18 @@ template <int N>
   add_three(Pair{B0[1], B1[1]}, B2[1], s + 9);
   add_three(Pair{b0, b1}, b2, s + 15);
   // Rows of B, as B^T has them.
-  const Pair r0 = load_pair(a + 3);
-  const Pair r1 = load_pair(a + 9);
-  const Pair r2 = load_pair(a + 15);
+  const Pair r0{upper_B0[0], upper_B1[0]};
+  const Pair r1{upper_B0[1], upper_B1[1]};
+  const Pair r2{a[20], a[26]};
   const Pair zx{z, x};
   const Pair yz{y, z};
-  const Pair C0 = load_pair(a + 21) - (r1 * z - r2 * y) - (Pair{B0[1], b0} * zx - Pair{b0, B0[0]} * yz);
+  const double first = a[21] - (r1[0] * z - r2[0] * y) - (B0[1] * z - b0 * y);
   const Pair C1 = load_pair(a + 27) - (r2 * x - r0 * z) - (Pair{B1[1], b1} * zx - Pair{b1, B1[0]} * yz);
-  const double c0 = a[23] - (a[11] * z - a[17] * y) - (B0[0] * y - B0[1] * x);
-  const double c1 = a[29] - (a[17] * x - a[5] * z) - (B1[0] * y - B1[1] * x);
-  const double c2 = a[35] - (a[5] * y - a[11] * x) - (B2[0] * y - B2[1] * x);
-  add_three(C0, c0, s + 21);
-  add_three(C1, c1, s + 27);
-  add_three(Pair{c0, c1}, c2, s + 33);
+  const Pair C2 = load_pair(a + 33) - (r0 * y - r1 * x) - (Pair{B2[1], b2} * zx - Pair{b2, B2[0]} * yz);
+  const double last = a[35] - (a[30] * y - a[31] * x) - (B2[0] * y - B2[1] * x);
+  add_three(Pair{first, C1[0]}, C2[0], s + 21);
+  add_three(C1, C2[1], s + 27);
+  add_three(C2, last, s + 33);
 }
 
 /// Calls f with the number of free speeds, 1 to 6, as a constant of type std::integral_constant.

@@ -12,6 +12,8 @@ Reactions::Reactions(const Kinematics& kinematics, const Closure& closure)
   for (const Link& link : kinematics.topology().links) {
     Load load;
     load.rho_a.setZero(model.bodies[link.body].n_modes());
+    load.reference = kinematics.topology().inward_link(LinkIndex(loads_.size()));
+    load.acts_at_one_point = !kinematics.mobilizer(link.joint).has_place();
     loads_.push_back(load);
   }
   for (const JointIndex k : upward<JointIndex>(model.joints.size())) {
@@ -64,14 +66,13 @@ const JointReactions& Reactions::compute_self_stress(const VecX& lambda) {
 /// rho = M Ydot + S + U - Q_gravity (R54).
 void Reactions::load_inertia(const std::vector<BodyInertia>& inertias, const TreeAccelerations& accelerations) {
   for (const LinkIndex l : upward<LinkIndex>(loads_.size())) {
-    const BodyIndex body = kinematics_->topology().links[l].body;
     const BodyInertia& inertia = inertias[l];
-    const Vec6& Vdot = accelerations.of_body(body);
+    const Vec6& Vdot = accelerations.of_link(l);
     Load& load = loads_[l];
     load.rho = inertia.moments().times(Vdot) + inertia.p();
     const FlexibleInertia* flexible = inertia.flexible();
     if (flexible == nullptr) continue;
-    const VecX& addot = *accelerations.of_modes(body);
+    const VecX& addot = *accelerations.of_modes(kinematics_->topology().links[l].body);
     load.rho.noalias() += flexible->M_ra().lazyProduct(addot);
     load.rho_a = flexible->p_a();
     load.rho_a.noalias() += flexible->M_ra().transpose().lazyProduct(Vdot);
@@ -192,11 +193,14 @@ void Reactions::add_spring_wrenches_of_cuts(const AppliedForces& applied) {
 }
 
 /// rho -= G_P^T w: the generalized force of a wrench at a point (R8), (R55).
-void Reactions::subtract_from(BodyIndex body, const JointPoint& point, const Vec6& wrench) {
-  if (body == kGround) return;
-  Load& load = loads_[*kinematics_->topology().link_of_body[body]];
+void Reactions::subtract_from(Load& load, const JointPoint& point, const Vec6& wrench) {
   load.rho -= shift_wrench(wrench, point.lever);
   if (point.n_modes() > 0) load.rho_a.noalias() -= point.Ga().transpose().lazyProduct(wrench);
+}
+
+void Reactions::subtract_from(BodyIndex body, const JointPoint& point, const Vec6& wrench) {
+  if (body == kGround) return;
+  subtract_from(loads_[*kinematics_->topology().link_of_body[body]], point, wrench);
 }
 
 /// Step 4 gives the wrench of a link's joint. By Step 5 the same wrench leaves nothing of the modal rows: the body's
@@ -207,11 +211,12 @@ void Reactions::backward_pass() {  // (R57), (R58)
     const Link& link = links[l];
     const JointPoint& own = kinematics_->point(link.joint, link.own_side());
     const JointPoint& reference = kinematics_->point(link.joint, link.reference_side());
-    Vec6 on_body = loads_[l].rho;
+    Load& load = loads_[l];
+    Vec6 on_body = load.rho;
     on_body.tail<3>() -= own.lever.cross(on_body.head<3>());
-    if (own.n_modes() > 0) loads_[l].rho_a.noalias() -= own.Ga().transpose().lazyProduct(on_body);
-    const Vec6 on_reference = opposite_wrench_at(on_body, own.r, reference.r);
-    subtract_from(link.reference, reference, on_reference);
+    if (own.n_modes() > 0) load.rho_a.noalias() -= own.Ga().transpose().lazyProduct(on_body);
+    const Vec6 on_reference = load.acts_at_one_point ? Vec6(-on_body) : opposite_wrench_at(on_body, own.r, reference.r);
+    if (load.reference) subtract_from(loads_[*load.reference], reference, on_reference);
     if (link.along) {
       report(link.joint, on_body, on_reference);
     } else {
@@ -225,8 +230,7 @@ void Reactions::report(JointIndex joint, const Vec6& on_child, const Vec6& on_pa
   const auto report_on = [&](Side side, const Vec6& w) {
     const Mat3& A = kinematics_->point(joint, side).A;
     SideWrench& total = wrenches.total[index(side)];
-    multiply_transpose(A, w.data(), total.in_C.force.data());
-    multiply_transpose(A, w.data() + 3, total.in_C.torque.data());
+    multiply_transpose(A, w, total.in_C.force, total.in_C.torque);
     total.in_global.force = w.head<3>();
     total.in_global.torque = w.tail<3>();
     wrenches.reaction[index(side)] = total;

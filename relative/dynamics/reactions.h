@@ -46,6 +46,8 @@ class Reactions {
   struct Load {
     Vec6 rho = Vec6::Zero();
     VecX rho_a;
+    std::optional<LinkIndex> reference;  // the link of the reference body; none at ground
+    bool acts_at_one_point = false;      // the joint, whose points coincide in every pose
   };
   /// A joint on whose coordinates drivers, springs or couplings act, and the columns of the driven ones.
   struct ForcedJoint {
@@ -67,6 +69,7 @@ class Reactions {
   void add_spring_wrenches_of_cuts(const AppliedForces& applied);
   void backward_pass();
   void subtract_from(BodyIndex body, const JointPoint& point, const Vec6& wrench);
+  [[gnu::always_inline]] static inline void subtract_from(Load& load, const JointPoint& point, const Vec6& wrench);
   void add_to_total(JointIndex joint, const Vec6& on_child, const Vec6& on_parent);
   void report(JointIndex joint, const Vec6& on_child, const Vec6& on_parent);
   void split_off_coordinate_wrenches(const VecX& lambda);

@@ -6,10 +6,14 @@ namespace concord::relative {
 
 TreeAccelerations::TreeAccelerations(const Kinematics& kinematics, const ArticulatedInertias& tree)
     : kinematics_(&kinematics),
-      links_(tree.n_links()),
+      links_(tree.n_links() + 1),
+      place_of_body_(kinematics.model().bodies.size(), tree.n_links()),
       flexible_of_link_(tree.n_links()),
       udot_(VecX::Zero(kinematics.topology().n_u)) {
-  for (const LinkIndex l : upward<LinkIndex>(links_.size())) {
+  for (const LinkIndex l : upward<LinkIndex>(flexible_of_link_.size())) {
+    const Link& link = kinematics.topology().links[l];
+    place_of_reference_.push_back(place_of_body_[link.reference]);
+    place_of_body_[link.body] = l;
     const FlexibleArticulatedBody* flexible = tree.flexible(l);
     if (flexible == nullptr) continue;
     flexible_of_link_[l] = static_cast<int>(flexible_.size());
@@ -18,13 +22,9 @@ TreeAccelerations::TreeAccelerations(const Kinematics& kinematics, const Articul
   }
 }
 
-const Vec6& TreeAccelerations::of_body(BodyIndex body) const {
-  return body == kGround ? ground_ : links_[*kinematics_->topology().link_of_body[body]].Vdot;
-}
-
 const VecX* TreeAccelerations::of_modes(BodyIndex body) const {
   if (body == kGround) return nullptr;
-  const std::optional<int> flexible = flexible_of_link_[*kinematics_->topology().link_of_body[body]];
+  const std::optional<int> flexible = flexible_of_link_[place_of_body_[body]];
   return flexible ? &flexible_[*flexible].addot : nullptr;
 }
 
@@ -38,21 +38,22 @@ Vec6 TreeAccelerations::of_point(JointIndex joint, Side side) const {
 
 void TreeAccelerations::solve(const ArticulatedInertias& tree, const VecX& udot) {
   udot_ = udot;
-  for (const LinkIndex l : upward<LinkIndex>(links_.size())) {
+  for (const LinkIndex l : upward<LinkIndex>(flexible_of_link_.size())) {
     load(tree, l);
     solve_link(tree, l);
   }
 }
 
 void TreeAccelerations::solve_again(const ArticulatedInertias& tree) {
-  for (const LinkIndex l : upward<LinkIndex>(links_.size())) solve_link(tree, l);
+  for (const LinkIndex l : upward<LinkIndex>(flexible_of_link_.size())) solve_link(tree, l);
 }
 
 void TreeAccelerations::load(const ArticulatedInertias& tree, LinkIndex l) {
   if (flexible_of_link_[l]) {
     flexible_[*flexible_of_link_[l]].uhat = tree.flexible(l)->uhat;
   } else {
-    links_[l].uhat = tree.link(l).uhat;
+    const ArticulatedBody& link = tree.link(l);
+    for (int k = 0; k < link.n_free; ++k) links_[l].uhat(k) = link.uhat(k);
   }
 }
 
@@ -64,24 +65,11 @@ void TreeAccelerations::add_force(LinkIndex link, const Eigen::Ref<const VecX>& 
   }
 }
 
-void TreeAccelerations::solve_link(const ArticulatedInertias& tree, LinkIndex l) {
-  const Vec6 A0 = acceleration_from_reference(l);
-  const int n_free = tree.link(l).n_free;
-  if (flexible_of_link_[l]) {
-    solve_flexible(tree, l, A0);
-  } else if (n_free == 0) {
-    links_[l].Vdot = A0 + tree.link(l).c;
-  } else {
-    with_constant(n_free, [&](auto n) { solve_rigid<n()>(tree, l, A0); });
-  }
-}
-
 Vec6 TreeAccelerations::acceleration_from_reference(LinkIndex l) const {
-  const BodyIndex reference = kinematics_->topology().links[l].reference;
-  if (reference == kGround) return Vec6::Zero();
   const LinkBlocks& blocks = kinematics_->blocks(l);
-  Vec6 A0 = shift_motion(of_body(reference), blocks.rho);
-  if (const VecX* addot = of_modes(reference)) A0.noalias() += blocks.Xa.lazyProduct(*addot);
+  Vec6 A0 = shift_motion(links_[place_of_reference_[l]].Vdot, blocks.rho);
+  if (blocks.Xa.cols() > 0)
+    A0.noalias() += blocks.Xa.lazyProduct(flexible_[*flexible_of_link_[place_of_reference_[l]]].addot);
   return A0;
 }
 
@@ -96,8 +84,20 @@ void TreeAccelerations::solve_rigid(const ArticulatedInertias& tree, LinkIndex l
   substitute_backward<N>(link.L, by_forces);
   substitute_backward<N>(link.L, by_reference);
   const Mat6& H = tree.free_columns(l);
-  links_[l].Vdot = (A0 - combination<N>(H, by_reference)) + (link.c + combination<N>(H, by_forces));
+  links_[l].Vdot = (A0 - combination<N>(H, by_reference)) + (tree.given_acceleration(l) + combination<N>(H, by_forces));
   for (int k = 0; k < N; ++k) udot_(link.free[k]) = by_forces(k) - by_reference(k);
+}
+
+void TreeAccelerations::solve_link(const ArticulatedInertias& tree, LinkIndex l) {
+  const Vec6 A0 = acceleration_from_reference(l);
+  const int n_free = tree.link(l).n_free;
+  if (flexible_of_link_[l]) {
+    solve_flexible(tree, l, A0);
+  } else if (n_free == 0) {
+    links_[l].Vdot = A0 + tree.given_acceleration(l);
+  } else {
+    with_constant(n_free, [&](auto n) { solve_rigid<n()>(tree, l, A0); });
+  }
 }
 
 void TreeAccelerations::solve_flexible(const ArticulatedInertias& tree, LinkIndex l, const Vec6& A0) {  // (R37)
@@ -108,7 +108,7 @@ void TreeAccelerations::solve_flexible(const ArticulatedInertias& tree, LinkInde
   f.udot.noalias() -= factors.Kt.lazyProduct(A0);
   factors.llt.matrixU().solveInPlace(f.udot);
   Vec6& Vdot = links_[l].Vdot;
-  Vdot = A0 + link.c;
+  Vdot = A0 + tree.given_acceleration(l);
   Vdot.noalias() += factors.H.lazyProduct(f.udot);
   f.addot = f.udot.tail(f.addot.size());
   for (int k = 0; k < link.n_free; ++k) udot_(link.free[k]) = f.udot(k);

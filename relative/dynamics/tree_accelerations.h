@@ -25,8 +25,9 @@ class TreeAccelerations {
 
   /// Of the speeds: n_u numbers, of cut joints only the driven ones.
   [[nodiscard]] const VecX& udot() const { return udot_; }
-  /// [vdot; omegadot] of a body.
-  [[nodiscard]] const Vec6& of_body(BodyIndex body) const;
+  /// [vdot; omegadot] of a body, and of a link's.
+  [[nodiscard]] const Vec6& of_body(BodyIndex body) const { return links_[place_of_body_[body]].Vdot; }
+  [[nodiscard]] const Vec6& of_link(LinkIndex link) const { return links_[link].Vdot; }
   /// addot of a body; nullptr if it is rigid.
   [[nodiscard]] const VecX* of_modes(BodyIndex body) const;
   /// Vdot_P of a joint's point, [linear; angular], global axes (R38).
@@ -45,16 +46,17 @@ class TreeAccelerations {
 
   void load(const ArticulatedInertias& tree, LinkIndex l);
   void solve_link(const ArticulatedInertias& tree, LinkIndex l);
-  [[nodiscard]] Vec6 acceleration_from_reference(LinkIndex l) const;
+  [[gnu::always_inline]] [[nodiscard]] inline Vec6 acceleration_from_reference(LinkIndex l) const;
   template <int N>
-  void solve_rigid(const ArticulatedInertias& tree, LinkIndex l, const Vec6& A0);
+  [[gnu::always_inline]] inline void solve_rigid(const ArticulatedInertias& tree, LinkIndex l, const Vec6& A0);
   void solve_flexible(const ArticulatedInertias& tree, LinkIndex l, const Vec6& A0);
 
   const Kinematics* kinematics_;
-  std::vector<OfLink> links_;
+  std::vector<OfLink> links_;                         // and ground, at rest, after the last
+  std::vector<int> place_of_body_;                    // among these
+  std::vector<int> place_of_reference_;               // by link
   std::vector<std::optional<int>> flexible_of_link_;  // index in flexible_; none: rigid
   std::vector<OfFlexible> flexible_;
-  Vec6 ground_ = Vec6::Zero();
   VecX udot_;
 };
 
