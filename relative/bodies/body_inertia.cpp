@@ -17,8 +17,8 @@ Eigen::Map<const Mat3> block9(const VecX& stacked, Eigen::Index k) {
 
 }  // namespace
 
-MassMoments rigid_moments(const Body& body) {
-  const Vec3& c = body.center_of_mass_L;
+MassMoments rigid_moments(const Body& body, const Vec3& about_L) {
+  const Vec3 c = body.center_of_mass_L - about_L;
   return {body.mass, body.mass * c,
           body.inertia_L + body.mass * (c.squaredNorm() * Mat3::Identity() - c * c.transpose())};
 }
@@ -94,11 +94,11 @@ void FlexibleInertia::move(const Mat3& A, const Vec3& omega, const Vec3& gravity
   }
 }
 
-BodyInertia::BodyInertia(const Body& body) {
+BodyInertia::BodyInertia(const Body& body, const Vec3& reference_point_L) {
   if (body.modal) {
     flexible_.emplace(*body.modal);
   } else {
-    moments_L_ = rigid_moments(body);
+    moments_L_ = rigid_moments(body, reference_point_L);
   }
 }
 

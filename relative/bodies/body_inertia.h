@@ -8,7 +8,7 @@
 /// Inertia of one body: M(a) Ydot + S(omega, a, adot) + U - Q_gravity, (R24) to (R28).
 namespace concord::relative {
 
-/// Zeroth, first and second moment of a body's mass about its frame's origin: mass [kg], h = sum of m s [kg m],
+/// Zeroth, first and second moment of a body's mass about its reference point: mass [kg], h = sum of m s [kg m],
 /// I = sum of m (s.s 1 - s s^T) [kg m2]. In body axes (as a statement) or in global ones (in a pose).
 struct MassMoments {
   double mass = 0.0;
@@ -56,8 +56,8 @@ struct MassMoments {
   }
 };
 
-/// Moments of a rigid body about its frame's origin, body axes (R24).
-MassMoments rigid_moments(const Body& body);
+/// Moments of a rigid body about a point of it, body axes (R24).
+MassMoments rigid_moments(const Body& body, const Vec3& about_L);
 
 /// Inertia of a flexible body as exact functions of G = sum of m w w^T, w = [1; s_0; psi_1; ...; psi_m], and of the
 /// state. The cost does not depend on the number of mass points.
@@ -118,7 +118,8 @@ class FlexibleInertia {
 /// Inertia of one body, rigid or flexible, in its present pose.
 class BodyInertia {
  public:
-  explicit BodyInertia(const Body& body);
+  /// About its reference point, the origin if the body is flexible.
+  explicit BodyInertia(const Body& body, const Vec3& reference_point_L = Vec3::Zero());
 
   /// Takes the deformation (n_modes numbers each) and the motion of the body; gravity [m/s2].
   void update(const double* a, const double* adot, const Mat3& A, const Vec3& omega, const Vec3& gravity) {

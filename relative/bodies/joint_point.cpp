@@ -11,6 +11,7 @@ namespace concord::relative {
 JointPoint::JointPoint(std::string owner, const Attachment& attachment)
     : attachment_(attachment),
       owner_(std::move(owner)),
+      is_reference_point_(attachment.Psi_t_L.cols() == 0 && attachment.point_L == Vec3::Zero()),
       s_L_(attachment.point_L),
       C_(attachment.C),
       J_Psi_r_L_(Mat3X::Zero(3, attachment.Psi_r_L.cols())),

@@ -7,7 +7,7 @@
 /// Motion of a point and a frame on one body, where a joint or a force element sits, (R5) to (R7).
 namespace concord::relative {
 
-/// Pose and velocity of a body frame, global axes.
+/// Pose and velocity of a body at its reference point, or at the origin of its frame where that is said; global axes.
 struct BodyMotion {
   Vec3 r = Vec3::Zero();
   Mat3 A = Mat3::Identity();
@@ -20,7 +20,8 @@ struct BodyMotion {
 /// [v; omega; adot] of the body.
 class JointPoint {
  public:
-  /// `owner` is whose point it is, for messages: "joint 'A'" or "force element 'strut'".
+  /// `attachment` is seen from the body's reference point. `owner` is whose point it is, for messages: "joint 'A'" or
+  /// "force element 'strut'".
   JointPoint(std::string owner, const Attachment& attachment);
 
   [[nodiscard]] int n_modes() const { return static_cast<int>(attachment_.Psi_t_L.cols()); }
@@ -46,16 +47,21 @@ class JointPoint {
   /// The body's motion from that of the point and joint frame (members r, A, v, omega set by the caller) (R7).
   void compute_body_motion(BodyMotion& body) {
     multiply_transpose(A, C_, body.A);
-    multiply(body.A, s_L_.data(), lever.data());
-    body.r = r - lever;
+    body.r = r;
     body.omega = omega;
     body.v = v;
+    if (is_reference_point_) return;
+    multiply(body.A, s_L_.data(), lever.data());
+    body.r -= lever;
     if (n_modes() > 0) remove_deformation(body);
     const Vec3 swing = cross(body.omega, lever);
     body.v -= swing;
     bias.head<3>() = cross(body.omega, swing);
     if (n_modes() > 0) add_deformation_bias(body.omega);
   }
+
+  /// Whether it is the reference point of a rigid body: lever and bias vanish.
+  [[nodiscard]] bool is_reference_point() const { return is_reference_point_; }
 
   /// G_a = [A Psi_t; A J Psi_r], 6 x n_modes, global axes.
   [[nodiscard]] const Mat6X& Ga() const { return Ga_; }
@@ -76,6 +82,7 @@ class JointPoint {
 
   Attachment attachment_;
   std::string owner_;
+  bool is_reference_point_;
   Vec3 s_L_;
   Mat3 C_;  // joint frame to body axes, deformed: R(theta) C
   Mat3X J_Psi_r_L_;

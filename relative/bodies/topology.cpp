@@ -165,6 +165,11 @@ Topology build_topology(const Model& model) {
     }
   }
   lay_out(model, topology);
+  topology.reference_points_L.assign(model.bodies.size(), Vec3::Zero());
+  for (const Link& link : topology.links) {
+    if (model.bodies[link.body].modal) continue;
+    topology.reference_points_L[link.body] = model.joints[link.joint].on(link.own_side()).point_L;
+  }
   return topology;
 }
 

@@ -54,6 +54,9 @@ struct Topology {
   std::vector<JointPlace> places;                      // of every joint of the model
   std::vector<Span> joints;                            // of every joint of the model
   std::vector<Span> modes;                             // of every body of the model, ground included
+  /// Of every body of the model the point whose motion is that of the body, in its frame [m]: of a rigid body the point
+  /// of its link's joint, whose motion then needs no shift; of ground and of flexible bodies the origin.
+  std::vector<Vec3> reference_points_L;
   int n_q = 0;
   int n_u = 0;
   int n_tree_q = 0;
@@ -62,6 +65,11 @@ struct Topology {
   /// The link of a link's reference body; none at ground.
   [[nodiscard]] std::optional<LinkIndex> inward_link(LinkIndex link) const {
     return link_of_body[links[link].reference];
+  }
+  /// The same attachment seen from the reference point of its body instead of from the origin.
+  [[nodiscard]] Attachment from_reference_point(Attachment attachment) const {
+    attachment.point_L -= reference_points_L[attachment.body];
+    return attachment;
   }
 };
 

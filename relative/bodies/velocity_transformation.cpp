@@ -28,7 +28,9 @@ Kinematics::Kinematics(const Model& model)
       u_(VecX::Zero(topology_.n_u)) {
   for (const Joint& joint : model.joints) {
     mobilizers_.emplace_back(*joint.type, size_.length());
-    for (const Attachment& side : joint.sides) points_.emplace_back(fmt::format("joint '{}'", joint.name), side);
+    for (const Attachment& side : joint.sides) {
+      points_.emplace_back(fmt::format("joint '{}'", joint.name), topology_.from_reference_point(side));
+    }
   }
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const VecX home = mobilizers_[k].home();
@@ -111,7 +113,9 @@ void Kinematics::require_rank(JointIndex joint, const JointMotion& motion) const
 void Kinematics::place(const std::vector<BodyState>& bodies) {
   for (std::size_t i = 1; i < bodies.size(); ++i) {
     const BodyState& body = bodies[i];
-    bodies_[i] = {body.r, rotation_from_euler_parameters(body.p), body.v, body.omega};
+    const Mat3 A = rotation_from_euler_parameters(body.p);
+    const Vec3 to_reference_point = A * topology_.reference_points_L[i];
+    bodies_[i] = {body.r + to_reference_point, A, body.v + body.omega.cross(to_reference_point), body.omega};
     const Span& modes = topology_.modes[i];
     q_.segment(modes.first_q, modes.n_q) = body.a;
     u_.segment(modes.first_u, modes.n_u) = body.adot;
@@ -122,6 +126,22 @@ void Kinematics::place(const std::vector<BodyState>& bodies) {
       moving_point(k, side).compute_point_motion(bodies_[model_->joints[k].on(side).body]);
     }
   }
+}
+
+BodyMotion Kinematics::motion_of_origin(BodyIndex i) const {
+  BodyMotion motion = bodies_[i];
+  const Vec3 to_origin = -(motion.A * topology_.reference_points_L[i]);
+  motion.r += to_origin;
+  motion.v += motion.omega.cross(to_origin);
+  return motion;
+}
+
+Vec6 Kinematics::acceleration_of_origin(BodyIndex i, const Vec6& Vdot) const {
+  const BodyMotion& motion = bodies_[i];
+  const Vec3 to_origin = -(motion.A * topology_.reference_points_L[i]);
+  Vec6 moved = shift_motion(Vdot, to_origin);
+  moved.head<3>() += motion.omega.cross(motion.omega.cross(to_origin));
+  return moved;
 }
 
 double Kinematics::farthest_place() const {
@@ -185,14 +205,16 @@ void Kinematics::update_turning_link(LinkIndex l) {  // (R80)
   own.compute_body_motion(*at.body);
 
   LinkBlocks& blocks = *at.blocks;
-  const Vec3 from_own = -own.lever;
   blocks.rho = reference.lever - own.lever;
-  blocks.H.col(0).head<3>() = cross(turn, from_own);
   blocks.H.col(0).tail<3>() = turn;
   // The parent's omega differs from the reference's by the spin at most, whose cross product with itself vanishes.
   const Vec3 turning = cross(reference.omega, spin) + reference.bias.tail<3>() - own.bias.tail<3>();
-  blocks.D.head<3>() = cross(turning, from_own) + (reference.bias.head<3>() - own.bias.head<3>());
+  blocks.D.head<3>() = reference.bias.head<3>();
   blocks.D.tail<3>() = turning;
+  if (own.is_reference_point() && !at.is_flexible) return;
+  const Vec3 from_own = -own.lever;
+  blocks.H.col(0).head<3>() = cross(turn, from_own);
+  blocks.D.head<3>() += cross(turning, from_own) - own.bias.head<3>();
   if (at.is_flexible) shift_modes(l, from_own, from_own);
 }
 

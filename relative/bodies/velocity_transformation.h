@@ -14,7 +14,7 @@
 /// The velocity transformation Y = B u, Ydot = B udot + Bdot u, link by link (R19) to (R22).
 namespace concord::relative {
 
-/// Blocks of one link, body i on reference body j, global axes, at the body origins, without the trivial rows:
+/// Blocks of one link, body i on reference body j, global axes, at the reference points, without the trivial rows:
 ///   [v; omega]_i = Sh(rho) [v; omega]_j + Xa adot_j + H u_joint - Ha adot_i, and the same for accelerations plus D.
 /// Sh(rho) = [1, -rho~; 0, 1] moves a velocity by rho = r_i - r_j; adot_i are speeds of the tree themselves (R19).
 struct LinkBlocks {
@@ -88,10 +88,15 @@ class Kinematics {
   /// loses a direction of its motion in this pose.
   void update(const VecX& q, const VecX& u);
 
-  /// Takes the motion of all bodies as given, for measuring joints between them; blocks are left alone.
+  /// Takes the motion of all bodies (of their origins) as given, for measuring joints between them; blocks are left
+  /// alone.
   void place(const std::vector<BodyState>& bodies);
 
+  /// At the reference point of a body, and at the origin of its frame.
   [[nodiscard]] const BodyMotion& body(BodyIndex i) const { return bodies_[i]; }
+  [[nodiscard]] BodyMotion motion_of_origin(BodyIndex i) const;
+  /// [vdot; omegadot] at the origin of a body's frame, from that at its reference point, as of the last update.
+  [[nodiscard]] Vec6 acceleration_of_origin(BodyIndex i, const Vec6& Vdot) const;
   /// Largest entry of the places of all bodies [m].
   [[nodiscard]] double farthest_place() const;
   [[nodiscard]] const LinkBlocks& blocks(LinkIndex link) const { return blocks_[link]; }

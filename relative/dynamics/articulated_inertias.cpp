@@ -37,6 +37,7 @@ ArticulatedInertias::ArticulatedInertias(const Kinematics& kinematics, const Pre
     }
     reference_of_link_.push_back(topology.inward_link(l));
     const int m = topology.modes[topology.links[l].body].n_u;
+    link.only_turns = m == 0 && link.n_free == 1 && kinematics.mobilizer(topology.links[l].joint).only_turn() >= 0;
     if (m == 0) continue;
     flexible_of_link_[l] = static_cast<int>(flexible_.size());
     const int n = link.n_free + m;
@@ -109,25 +110,27 @@ void ArticulatedInertias::compute(const std::vector<BodyInertia>& inertias, cons
       const ArticulatedBody& link = links_[l];
       add_to_reference_body(l, link.articulated_inertia,
                             link.bias_force + link.articulated_inertia * given_acceleration(l));
+    } else if (links_[l].only_turns) {
+      eliminate_rigid<1, true>(l);
     } else {
-      with_constant(links_[l].n_free, [&](auto n) { eliminate_rigid<n()>(l); });
+      with_constant(links_[l].n_free, [&](auto n) { eliminate_rigid<n(), false>(l); });
     }
   }
 }
 
-template <int N>
+template <int N, bool kOnlyTurns>
 void ArticulatedInertias::eliminate_rigid(LinkIndex l) {  // (R34), (R35)
   ArticulatedBody& link = links_[l];
   const Mat6& H = free_columns(l);
   const Vec6 p = link.bias_force + times(link.articulated_inertia, given_acceleration(l));
   Mat6 V;
   Vec6 w;
-  for (int j = 0; j < N; ++j) V.col(j) = times(link.articulated_inertia, H.col(j));
+  for (int j = 0; j < N; ++j) V.col(j) = product<kOnlyTurns>(link.articulated_inertia, H.col(j).data());
   for (int j = 0; j < N; ++j) {
-    for (int i = j; i < N; ++i) link.L(i, j) = H.col(i).dot(V.col(j));
+    for (int i = j; i < N; ++i) link.L(i, j) = product<kOnlyTurns>(H.col(i).data(), V.col(j));
   }
   if (!factorize<N>(link.L)) throw_indefinite(l);
-  for (int i = 0; i < N; ++i) w(i) = link.tau(i) - H.col(i).dot(p);
+  for (int i = 0; i < N; ++i) w(i) = link.tau(i) - product<kOnlyTurns>(H.col(i).data(), p);
   substitute_forward<N>(link.L, w);
   divide_by_transpose<N>(link.L, V);
   for (int j = 0; j < N; ++j) {

@@ -19,6 +19,7 @@ namespace concord::relative {
 /// acceleration that the reference body alone would give. Of a rigid link the roots of the pivots stand apart from L
 /// and K, so that a light body knows its own inertia though it carries a heavy one that turns about the same axis.
 struct ArticulatedBody {
+  bool only_turns = false;    // about the reference point of a rigid body: the upper half of H vanishes
   int n_free = 0;             // free joint speeds
   std::array<int, 6> free{};  // their indices in u
   int n_driven = 0;
@@ -103,7 +104,7 @@ class ArticulatedInertias {
   void subtract_applied(const AppliedForces& applied);
   void load_flexible(LinkIndex l, const BodyInertia& inertia);
   void gather_columns(LinkIndex l, const VecX& udot);
-  template <int N>
+  template <int N, bool kOnlyTurns>
   [[gnu::flatten]] void eliminate_rigid(LinkIndex l);
   void eliminate_flexible(LinkIndex l);
   [[gnu::always_inline]] inline void add_to_reference_body(LinkIndex l, const Mat6& I, const Vec6& p);

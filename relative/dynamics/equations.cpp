@@ -24,7 +24,7 @@ Equations::Equations(const Model& model)
       refinement_(kinematics_, closure_, tree_),
       prescribed_udot_(VecX::Zero(kinematics_.topology().n_u)),
       motion_(kinematics_.topology()),
-      evaluated_(accelerations_, loops_.solution(), applied_, inertias_) {
+      evaluated_(kinematics_, accelerations_, loops_.solution(), applied_, inertias_) {
   for (const JointIndex k : upward<JointIndex>(model.joints.size())) {
     const Joint& joint = model.joints[k];
     const Span& span = topology().joints[k];
@@ -33,7 +33,9 @@ Equations::Equations(const Model& model)
                           span.first_u + first_u(*joint.type, driver.word) + driver.component});
     }
   }
-  for (const Link& link : topology().links) inertias_.emplace_back(model.bodies[link.body]);
+  for (const Link& link : topology().links) {
+    inertias_.emplace_back(model.bodies[link.body], topology().reference_points_L[link.body]);
+  }
 }
 
 VecX Equations::home() const {

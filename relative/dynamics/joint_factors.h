@@ -54,6 +54,30 @@ template <int N>
   }
 }
 
+/// Six rows of which the first three vanish where a joint only turns about the reference point of a rigid body: its
+/// product with others, and with an inertia.
+template <bool kOnlyTurns>
+[[gnu::always_inline]] inline double product(const double* column, const Vec6& other) {
+  const double turning = column[3] * other(3) + column[4] * other(4) + column[5] * other(5);
+  if constexpr (kOnlyTurns) return turning;
+  return column[0] * other(0) + column[1] * other(1) + column[2] * other(2) + turning;
+}
+template <bool kOnlyTurns>
+[[gnu::always_inline]] inline Vec6 product(const Mat6& I, const double* column) {
+  if constexpr (!kOnlyTurns) return times(I, Eigen::Map<const Vec6>(column));
+  const double* of_turns = I.data() + 18;
+  Vec6 result;
+  const auto two_rows = [&](int row) {
+    store_pair(load_pair(of_turns + row) * column[3] + load_pair(of_turns + 6 + row) * column[4] +
+                   load_pair(of_turns + 12 + row) * column[5],
+               result.data() + row);
+  };
+  two_rows(0);
+  two_rows(2);
+  two_rows(4);
+  return result;
+}
+
 /// The first N columns times as many factors, summed up.
 template <int N, class Factors>
 [[gnu::always_inline]] inline Vec6 combination(const Mat6& columns, const Factors& factors) {

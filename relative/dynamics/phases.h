@@ -31,17 +31,22 @@ class Evaluated {
   [[nodiscard]] const std::vector<BodyInertia>& inertias() const { return *inertias_; }
   /// Accelerations of a body's origin, angular and modal ones.
   [[nodiscard]] BodyAcceleration acceleration(BodyIndex body) const {
-    const Vec6& Vdot = accelerations_->of_body(body);
+    const Vec6 Vdot = kinematics_->acceleration_of_origin(body, accelerations_->of_body(body));
     const VecX* addot = accelerations_->of_modes(body);
     return {Vdot.head<3>(), Vdot.tail<3>(), addot == nullptr ? VecX() : *addot};
   }
 
  private:
   friend class Equations;
-  Evaluated(const TreeAccelerations& accelerations, const LoopSolution& loops, const AppliedForces& applied,
-            const std::vector<BodyInertia>& inertias)
-      : accelerations_(&accelerations), loops_(&loops), applied_(&applied), inertias_(&inertias) {}
+  Evaluated(const Kinematics& kinematics, const TreeAccelerations& accelerations, const LoopSolution& loops,
+            const AppliedForces& applied, const std::vector<BodyInertia>& inertias)
+      : kinematics_(&kinematics),
+        accelerations_(&accelerations),
+        loops_(&loops),
+        applied_(&applied),
+        inertias_(&inertias) {}
 
+  const Kinematics* kinematics_;
   const TreeAccelerations* accelerations_;
   const LoopSolution* loops_;
   const AppliedForces* applied_;

@@ -34,7 +34,7 @@ class Reactions {
   void share_out_springs(const AppliedForces& applied);
 
   /// What the accelerations of the last compute() leave on a link, outboard links among it: six rigid rows about the
-  /// body's origin, all that its joint passes, and the modal rows, which vanish but for round-off (R58).
+  /// body's reference point, all that its joint passes, and the modal rows, which vanish but for round-off (R58).
   [[nodiscard]] const Vec6& rho(LinkIndex l) const { return loads_[l].rho; }
   [[nodiscard]] const VecX& rho_a(LinkIndex l) const { return loads_[l].rho_a; }
 
@@ -42,7 +42,7 @@ class Reactions {
   const JointReactions& compute_self_stress(const VecX& lambda);
 
  private:
-  /// rho of one link: six rigid rows about the body's origin and the modal rows.
+  /// rho of one link: six rigid rows about the body's reference point and the modal rows.
   struct Load {
     Vec6 rho = Vec6::Zero();
     VecX rho_a;

@@ -91,7 +91,9 @@ void TreeAccelerations::solve_rigid(const ArticulatedInertias& tree, LinkIndex l
 void TreeAccelerations::solve_link(const ArticulatedInertias& tree, LinkIndex l) {
   const Vec6 A0 = acceleration_from_reference(l);
   const int n_free = tree.link(l).n_free;
-  if (flexible_of_link_[l]) {
+  if (tree.link(l).only_turns) {
+    solve_rigid<1>(tree, l, A0);
+  } else if (flexible_of_link_[l]) {
     solve_flexible(tree, l, A0);
   } else if (n_free == 0) {
     links_[l].Vdot = A0 + tree.given_acceleration(l);

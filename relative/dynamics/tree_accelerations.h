@@ -25,7 +25,7 @@ class TreeAccelerations {
 
   /// Of the speeds: n_u numbers, of cut joints only the driven ones.
   [[nodiscard]] const VecX& udot() const { return udot_; }
-  /// [vdot; omegadot] of a body, and of a link's.
+  /// [vdot; omegadot] of a body at its reference point, and of a link's.
   [[nodiscard]] const Vec6& of_body(BodyIndex body) const { return links_[place_of_body_[body]].Vdot; }
   [[nodiscard]] const Vec6& of_link(LinkIndex link) const { return links_[link].Vdot; }
   /// addot of a body; nullptr if it is rigid.

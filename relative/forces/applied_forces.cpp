@@ -39,7 +39,8 @@ void AppliedForces::lay_out_elements() {
     for (const Side side : {Side::parent, Side::child}) {
       const Attachment* end = end_of(statement, side);
       if (end == nullptr) continue;
-      element.ends.emplace_back(fmt::format("force element '{}'", statement.name), *end);
+      element.ends.emplace_back(fmt::format("force element '{}'", statement.name),
+                                kinematics_->topology().from_reference_point(*end));
       element.bodies[index(side)] = BodyIndex(end->body);
     }
     if (std::holds_alternative<TurnSpring>(statement.what)) turn_springs_.push_back(elements_.size());

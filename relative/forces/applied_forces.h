@@ -16,7 +16,7 @@
 namespace concord::relative {
 
 /// Everything that pushes besides gravity, modal stiffness and drivers. A wrench w at a point adds G_P^T w to its body:
-/// six rows at the body's origin and the modal rows (R8). A joint spring in
+/// six rows at the body's reference point and the modal rows (R8). A joint spring in
 /// the tree adds its coordinate force to the joint's speed; on a cut joint its coordinate wrench goes on both bodies.
 /// All memory is laid out at construction.
 class AppliedForces {
@@ -72,7 +72,8 @@ class AppliedForces {
   /// Whose force at the last update departs from its law by more than kLargestDeparture.
   [[nodiscard]] std::optional<Contact> departed_contact() const;
 
-  /// Generalized force on the body of a link: six rigid rows about its origin, global axes, and its modal rows.
+  /// Generalized force on the body of a link: six rigid rows about its reference point, global axes, and its modal
+  /// rows.
   [[nodiscard]] const Vec6& on_body(LinkIndex link) const { return on_body_[link]; }
   [[nodiscard]] const VecX& on_modes(LinkIndex link) const { return on_modes_[link]; }
 

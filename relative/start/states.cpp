@@ -224,7 +224,7 @@ State States::write(const Motion& motion, const State& before) const {
   state.t = motion.t();
   state.bodies.resize(model.bodies.size());
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    const BodyMotion& moved = equations_->kinematics().body(BodyIndex(i));
+    const BodyMotion moved = equations_->kinematics().motion_of_origin(BodyIndex(i));
     const Vec4 near = before.bodies.empty() ? Vec4(Vec4::Unit(0)) : before.bodies[i].p;
     BodyState& body = state.bodies[i];
     body.r = moved.r;

@@ -62,6 +62,45 @@ TEST_P(MovingMachine, BdotIsTheDerivativeOfB) {
   EXPECT_LT((kinematics_.Bdot_u() - expected).norm(), 1e-8 * expected.norm());
 }
 
+/// Bdot u is the acceleration of all reference points at constant speeds.
+TEST_P(MovingMachine, OriginsMoveWithTheReferencePoints) {
+  const Kinematics ahead = moved(kStep);
+  const Kinematics behind = moved(-kStep);
+  const VecX Vdot = kinematics_.Bdot_u();
+  for (BodyIndex i(1); i < static_cast<int>(model_.bodies.size()); ++i) {
+    SCOPED_TRACE(model_.bodies[i].name);
+    const BodyMotion before = behind.motion_of_origin(i);
+    const BodyMotion after = ahead.motion_of_origin(i);
+    const BodyMotion now = kinematics_.motion_of_origin(i);
+    EXPECT_LT((now.v - (after.r - before.r) / (2 * kStep)).norm(), 2e-8);
+    const Vec6 acceleration = kinematics_.acceleration_of_origin(i, Vdot.segment<6>(kinematics_.first_row(i)));
+    const Vec3 vdot = (after.v - before.v) / (2 * kStep);
+    EXPECT_LT((acceleration.head<3>() - vdot).norm(), 1e-8 * vdot.norm() + 2e-8);
+    const Link& link = equations_.topology().links[*equations_.topology().link_of_body[i]];
+    const Vec3 lever = kinematics_.point(link.joint, link.own_side()).lever;
+    EXPECT_EQ(lever.norm() > 0.0, model_.bodies[i].modal.has_value());
+    const Vec3 joint_point = model_.joints[link.joint].on(link.own_side()).point_L;
+    const Vec3 from_origin = kinematics_.body(i).r - now.r;
+    EXPECT_LT((from_origin - (model_.bodies[i].modal ? Vec3(Vec3::Zero()) : Vec3(now.A * joint_point))).norm(), 1e-14);
+  }
+}
+
+TEST_P(MovingMachine, PlacingBodiesTakesThemAtTheirOrigins) {
+  std::vector<BodyState> bodies(model_.bodies.size());
+  for (BodyIndex i(1); i < static_cast<int>(bodies.size()); ++i) {
+    const BodyMotion origin = kinematics_.motion_of_origin(i);
+    const Span& modes = equations_.topology().modes[i];
+    bodies[i] = {origin.r,     euler_parameters(origin.A, Vec4::Unit(0)), origin.v,
+                 origin.omega, q_.segment(modes.first_q, modes.n_q),      u_.segment(modes.first_u, modes.n_u)};
+  }
+  Kinematics placed(model_);
+  placed.place(bodies);
+  for (BodyIndex i(1); i < static_cast<int>(bodies.size()); ++i) {
+    EXPECT_LT((placed.body(i).r - kinematics_.body(i).r).norm(), 1e-14) << model_.bodies[i].name;
+    EXPECT_LT((placed.body(i).v - kinematics_.body(i).v).norm(), 1e-13) << model_.bodies[i].name;
+  }
+}
+
 TEST_P(MovingMachine, JointPointsOfBothSidesObeyTheMotion) {
   for (const JointIndex k : upward<JointIndex>(model_.joints.size())) {
     const JointPoint& parent = kinematics_.point(k, Side::parent);
