@@ -80,10 +80,10 @@ class Table {
  public:
   Table() {
     std::vector<std::string> head{"machine", "N", "in", "cartesian", "relative"};
-    if (kPrograms > 2) head.push_back("Simbody");
-    head.push_back("r / c");
+    if (kPrograms > 2) head.emplace_back("Simbody");
+    head.emplace_back("r / c");
     if (kPrograms > 2) head.insert(head.end(), {"c / S", "r / S"});
-    head.push_back("digits");
+    head.emplace_back("digits");
     lines_.push_back(head);
   }
 
