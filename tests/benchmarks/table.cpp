@@ -133,13 +133,14 @@ class Bench {
  public:
   explicit Bench(const std::filesystem::path& data) : data_(data) {
     for (const int n : {16, 64, 256, 1024}) {
-      add("chain, revolute", [this, n] { evaluate("chain, revolute", n, make_chain(n, joints::revolute)); });
+      add(fmt::format("chain, revolute, N = {}", n),
+          [this, n] { evaluate("chain, revolute", n, make_chain(n, joints::revolute)); });
     }
     add_exponents("chain, revolute");
     add("chain, spherical", [this] { evaluate("chain, spherical", 256, make_chain(256, joints::spherical)); });
     add("tree", [this] { evaluate("tree", 255, make_tree(255)); });
     for (const int n : {20, 40, 80}) {
-      add("ladder", [this, n] { evaluate("ladder", n, make_ladder(n)); });
+      add(fmt::format("ladder, N = {}", n), [this, n] { evaluate("ladder", n, make_ladder(n)); });
     }
     add_exponents("ladder");
     add("paper's", [this] { evaluate_and_run("paper's", "slider_crank_flexible"); });
