@@ -81,10 +81,11 @@ class PseudoTransientContinuation {
     const VecX unmet = split.unmet(f);
     const Growth growth(stiffness, std::max(kNoGrowth * reference, split.least()));
     unstable_directions_ = growth.count();
-    free_ = name_free_directions(model_, chart, split.free_directions());
+    has_free_directions_ = split.free_directions().cols() > 0;
     const bool is_met = unmet.norm() <= negligible || is_unresolved(unmet);
     if (is_met && is_done(newton.norm(), f.norm() <= negligible)) {
-      if (put_floating_parts_back() || step_back(chart, split.free_directions())) return false;
+      if (put_floating_parts_back(chart, stiffness.J) || step_back(chart, split.free_directions())) return false;
+      free_ = name_free_directions(model_, chart, split.free_directions());
       return true;
     }
     const VecX pull = growth.without_negligible(f, kNegligibleForce * std::max(reference, f.norm()));
@@ -114,7 +115,7 @@ class PseudoTransientContinuation {
   [[nodiscard]] Stiffness stiffness_here(const Chart& chart, double f) {
     moved_since_stiffness_ += limit_.last_move();
     const bool feigns_more = force_at_stiffness_ > std::max(10.0 * f, kRoundOffStep * scale_.reference);
-    const double reach = free_.empty() ? kNearRest : kSameDirections;
+    const double reach = has_free_directions_ ? kSameDirections : kNearRest;
     if (!is_cautious_ && !feigns_more && moved_since_stiffness_ < reach && last_basis_.cols() == chart.n()) {
       const MatX turn = chart.basis().transpose() * last_basis_;
       const MatX size = turn.cwiseAbs();
@@ -141,7 +142,7 @@ class PseudoTransientContinuation {
   /// Far from rest derivatives need not be good; for many coordinates they cost most. Directions without stiffness ask
   /// for good ones: rough ones would lead along them.
   [[nodiscard]] bool is_on_the_way() {
-    if (is_cautious_ || !free_.empty()) return false;
+    if (is_cautious_ || has_free_directions_) return false;
     if (time_ < longest_time()) return true;
     return limit_.last_move() >= kNearRest && ++long_steps_ < kLongSteps;
   }
@@ -195,14 +196,19 @@ class PseudoTransientContinuation {
   }
 
   /// Of the rests of a floating part that no force from elsewhere tells apart, the one where it starts is meant; false
-  /// where there is none, or the machine has come there.
-  bool put_floating_parts_back() {
+  /// where there is none, where stiffness foretells the force that is met there, or where the machine has come there.
+  bool put_floating_parts_back(const Chart& here, const MatX& J) {
     constexpr double kNearlyAtRest = 1e-3;  // of what forces cause: what round-off of stiff modes is relaxes
+    constexpr double kUnexpected = 0.5;     // of the force there
     if (std::exchange(is_put_back_, true)) return false;
     auto state = floating_.put_back(start_, state_);
     if (!state) return false;
     auto evaluation = evaluation_unless_refused(solver_, *state);
     if (!evaluation) return false;
+    const VecX force = here.accelerations(*state, *evaluation);
+    const VecX expected = J * here.coordinates_of(displacement(state_, *state));
+    const bool is_felt = force.norm() > kNegligibleForce * scale_.reference;
+    if (is_felt && (force - expected).norm() <= kUnexpected * force.norm()) return false;
     const Chart chart(model_, solver_, *state);
     if (chart.accelerations(*state, *evaluation).norm() > kNearlyAtRest * scale_.reference) return false;
     state_ = std::move(*state);
@@ -311,6 +317,7 @@ class PseudoTransientContinuation {
   State state_;
   Evaluation evaluation_;
   VecX last_force_;
+  bool has_free_directions_ = false;
   std::vector<FreeDirection> free_;
   Stiffness last_stiffness_;
   double moved_since_stiffness_ = 0.0;

@@ -39,6 +39,21 @@ std::vector<std::size_t> first_of_parts(const Model& model) {
 
 }  // namespace
 
+VecX displacement(const State& from, const State& to) {
+  Eigen::Index rows = 0;
+  for (std::size_t i = 1; i < from.bodies.size(); ++i) rows += 6 + from.bodies[i].a.size();
+  VecX moved(rows);
+  Eigen::Index row = 0;
+  for (std::size_t i = 1; i < from.bodies.size(); ++i) {
+    const Eigen::AngleAxisd turn(turn_between(from.bodies[i], to.bodies[i]));
+    moved.segment<3>(row) = to.bodies[i].r - from.bodies[i].r;
+    moved.segment<3>(row + 3) = turn.angle() * turn.axis();
+    moved.segment(row + 6, from.bodies[i].a.size()) = to.bodies[i].a - from.bodies[i].a;
+    row += 6 + from.bodies[i].a.size();
+  }
+  return moved;
+}
+
 FloatingParts::FloatingParts(const Model& model) {
   const std::vector<std::size_t> first = first_of_parts(model);
   std::map<std::size_t, Part> parts;

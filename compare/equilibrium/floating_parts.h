@@ -8,6 +8,10 @@
 
 namespace concord::compare {
 
+/// How bodies 1, 2, ... have moved from one state to another, in the rows of velocities: [displacement of the origin;
+/// rotation vector, global axes; change of modal coordinates].
+VecX displacement(const State& from, const State& to);
+
 /// Parts of a machine that no joint holds to the ground. As such a part turns as a whole, the forces within it turn
 /// with it; in global axes this looks like a stiffness as large as they are, against which a search for an equilibrium
 /// would turn the part instead of moving its joints.

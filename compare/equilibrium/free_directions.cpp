@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -17,6 +18,8 @@ std::vector<FreeDirection> name_free_directions(const Model& model, const Chart&
   motions = separate_motions(model, chart.origin(), std::move(motions));
   std::vector<FreeDirection> named;
   for (const auto& motion : motions.colwise()) named.push_back({describe_motion(model, chart.origin(), motion)});
+  // Round-off decides in which order they are told apart.
+  std::sort(named.begin(), named.end(), [](const auto& one, const auto& other) { return one.name < other.name; });
   return named;
 }
 

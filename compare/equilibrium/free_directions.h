@@ -13,7 +13,8 @@ struct FreeDirection {
   std::string name;  // "hinge: turn_z 1" or "body coupler: ..."
 };
 
-/// Such directions, columns of the chart's coordinates, told apart by the joints that move along them.
+/// Such directions, columns of the chart's coordinates, told apart by the joints that move along them, in
+/// the order of their names.
 std::vector<FreeDirection> name_free_directions(const Model& model, const Chart& chart, const MatX& directions);
 
 /// Throws SingularPose, or the solver's refusal as SolverError, where neighbours of the chart's origin, looked at in
