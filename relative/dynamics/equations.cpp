@@ -60,13 +60,17 @@ void Equations::count_turns_as(const Equations& other) {
   applied_.count_turns_as(other.applied_);
 }
 
-const Motion& Equations::move(double t, const VecX& q, const VecX& u) {
+void Equations::place(double t, const VecX& q, const VecX& u) {
   ++motion_.number_;
   motion_.at_.t = t;
   motion_.at_.q = q;
   motion_.at_.u = u;
   prescribe(t, motion_.at_.q, motion_.at_.u);
   kinematics_.update(motion_.q(), motion_.u());
+}
+
+const Motion& Equations::move(double t, const VecX& q, const VecX& u) {
+  place(t, q, u);
   closure_.measure(motion_.at_.q, motion_.at_.u);
   return motion_;
 }

@@ -51,6 +51,10 @@ class Equations {
   void prescribe(double t, VecX& q, VecX& u) const { prescribe(t, kinematics_, q, u); }
   void prescribe(double t, const Kinematics& counted, VecX& q, VecX& u) const;
 
+  /// Poses and velocities alone, for whoever measures cut joints with a closure of his own: all that was computed
+  /// before is that of another pose.
+  void place(double t, const VecX& q, const VecX& u);
+
   /// Poses, velocities and closure misfits at time t, q, u (n_q and n_u numbers). Driven entries are replaced by their
   /// laws, those of cut joints by measurement (q gives the guess).
   const Motion& move(double t, const VecX& q, const VecX& u);
@@ -82,6 +86,8 @@ class Equations {
   [[nodiscard]] bool has_applied_forces() const { return applied_.any(); }
   [[nodiscard]] bool has_drivers() const { return !drivers_.empty(); }
 
+  /// In how many poses the machine has stood so far.
+  [[nodiscard]] long n_poses() const { return motion_.number_; }
   /// The pose in which the machine stands.
   [[nodiscard]] const Motion& motion() const { return motion_; }
   [[nodiscard]] const AppliedForces& applied_forces() const { return applied_; }

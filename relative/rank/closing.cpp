@@ -1,6 +1,7 @@
 #include "relative/rank/closing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -31,32 +32,46 @@ VecX filtered_step(const MatX& Phi, const VecX& misfit, double damping, std::opt
   return -(svd.matrixV() * filter.asDiagonal() * svd.matrixU().transpose() * misfit);
 }
 
-/// The same without singular values (R66), if all rows are far from dependent, and from the damping.
-std::optional<VecX> undamped_step(const MatX& Phi, const VecX& misfit, double damping, std::optional<int> rank) {
-  const int n_rows = static_cast<int>(Phi.rows());
-  if (rank.value_or(n_rows) < n_rows) return std::nullopt;
-  const RowRank factors(Phi);
+/// The same without singular values (R66), if all rows that are independent are far from dependent, and from the
+/// damping; `rank` of them are used.
+std::optional<VecX> undamped_step(const MatX& Phi, const RowRank& factors, const VecX& misfit, double damping,
+                                  int rank) {
+  const int found = factors.rank();
   const double least = std::max(kFarFromDependent, kBeyondDamping * damping);
-  if (factors.rank() < n_rows || factors.singular_value(n_rows) <= least) return std::nullopt;
-  return factors.smallest_step(misfit);
+  if (found == 0 || rank < found || factors.singular_value(found) <= least) return std::nullopt;
+  if (found == factors.n_rows()) return factors.smallest_step(misfit);
+  return VecX(-smallest_least_squares(Phi, misfit, kDependentPart));
+}
+
+/// A step of the tree's speeds, and whether it takes the whole misfit away to first order.
+struct Step {
+  VecX u;
+  bool is_whole = false;
+};
+
+Step find_step(const ScaledClosure& scaled, const Closure& closure, const std::vector<int>& columns, const VecX& misfit,
+               double damping, std::optional<int> rank) {
+  const MatX Phi = scaled.rows(closure, columns).topRows(misfit.size());
+  Step step{VecX::Zero(scaled.equations().topology().n_tree_u)};
+  if (Phi.size() == 0) return step;
+  const VecX misfit_in_units = misfit.cwiseQuotient(closure.row_units().head(misfit.size()));
+  const RowRank factors(Phi);
+  const std::optional<VecX> undamped =
+      undamped_step(Phi, factors, misfit_in_units, damping, rank.value_or(factors.n_rows()));
+  step.is_whole = undamped && factors.rank() == factors.n_rows();
+  step.u(columns) = undamped ? *undamped : filtered_step(Phi, misfit_in_units, damping, rank);
+  return step;
 }
 
 }  // namespace
 
 VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const std::vector<int>& columns,
                    const VecX& misfit, double damping, std::optional<int> rank) {
-  const MatX Phi = scaled.rows(closure, columns).topRows(misfit.size());
-  VecX step = VecX::Zero(scaled.equations().topology().n_tree_u);
-  if (Phi.size() == 0) return step;
-  const VecX misfit_in_units = misfit.cwiseQuotient(closure.row_units().head(misfit.size()));
-  const std::optional<VecX> undamped = undamped_step(Phi, misfit_in_units, damping, rank);
-  const VecX solution = undamped ? *undamped : filtered_step(Phi, misfit_in_units, damping, rank);
-  for (std::size_t c = 0; c < columns.size(); ++c) step(columns[c]) = solution(c);
-  return step;
+  return find_step(scaled, closure, columns, misfit, damping, rank).u;
 }
 
 double measure(const ScaledClosure& scaled, Coordinates& coordinates, Closure& closure) {
-  scaled.equations().move(coordinates.t, coordinates.q, coordinates.u);
+  scaled.equations().place(coordinates.t, coordinates.q, coordinates.u);
   closure.measure(coordinates.q, coordinates.u);
   return largest_entry(closure.position_residual().cwiseQuotient(closure.row_units().head(closure.n_position_rows())));
 }
@@ -81,12 +96,13 @@ struct Trial {
 /// A step of the tree's speeds (n_tree_u numbers), made in parts from where it begins.
 class PartedStep {
  public:
-  PartedStep(const ScaledClosure& scaled, const Coordinates& from, Closure& closure, VecX step)
+  /// `step`: in SI units.
+  PartedStep(const ScaledClosure& scaled, const Coordinates& from, Closure& closure, Step step)
       : scaled_(scaled), from_(from), closure_(closure), step_(std::move(step)) {}
 
   [[nodiscard]] Trial make(double part) const {
     Trial trial{from_, HUGE_VAL, {}};
-    scaled_.advance(trial.coordinates.q, part * step_);
+    scaled_.advance(trial.coordinates.q, part * step_.u);
     trial.residual = try_to_measure(scaled_, trial.coordinates, closure_);
     trial.misfit = closure_.position_residual();
     return trial;
@@ -94,15 +110,18 @@ class PartedStep {
 
   /// Goes on from `reached`, a part of the step, twice as far each time, while every row changes in proportion: so does
   /// a coupling, or a thread, along which a slide may have many lengths to go. `begin`: the misfit where it begins.
-  void go_on(const VecX& begin, double part, Trial& reached) const {
+  /// Whether it has gone, or has looked whether it may.
+  bool go_on(const VecX& begin, double part, Trial& reached) const {
+    if (step_.is_whole && !is_near(reached.misfit, (1.0 - part) * begin, begin)) return false;
     while (part < 1.0) {
       const double farther = std::min(1.0, 2.0 * part);
       Trial trial = make(farther);
       const VecX expected = begin + farther / part * (reached.misfit - begin);
-      if (!(trial.residual < reached.residual) || !is_near(trial.misfit, expected, begin)) return;
+      if (!(trial.residual < reached.residual) || !is_near(trial.misfit, expected, begin)) break;
       reached = std::move(trial);
       part = farther;
     }
+    return true;
   }
 
  private:
@@ -116,7 +135,33 @@ class PartedStep {
   const ScaledClosure& scaled_;
   const Coordinates& from_;
   Closure& closure_;
-  VecX step_;
+  Step step_;
+};
+
+/// Round-off adds up along a loop, which has at most all links.
+double closed_part(const ScaledClosure& scaled, const Coordinates& coordinates) {
+  const double longest = 0.01 * static_cast<double>(scaled.equations().topology().links.size());
+  return kClosedPart * std::max(scaled.size_of_places(coordinates.q), longest);
+}
+
+/// How fast residuals fall. Where eight steps take less than a fiftieth away, the misfit is stationary: as many steps
+/// as are left would not close the machine.
+class Pace {
+ public:
+  /// Takes the residual of each step once.
+  [[nodiscard]] bool stalls(double residual) {
+    double& before = last_[steps_++ % kSteps];
+    const bool is_slow = steps_ > kSteps && residual > kStationary * before;
+    before = residual;
+    return is_slow;
+  }
+
+ private:
+  static constexpr std::size_t kSteps = 8;
+  static constexpr double kStationary = 0.98;
+
+  std::array<double, kSteps> last_{};
+  std::size_t steps_ = 0;
 };
 
 }  // namespace
@@ -127,28 +172,28 @@ bool close_positions(const ScaledClosure& scaled, Coordinates& coordinates, cons
   if (closure.n_position_rows() == 0) return true;
   const std::vector<int> columns = scaled.moving_columns(prescribed, modes);
   double residual = measure(scaled, coordinates, closure);
-  for (int iteration = 0; iteration < kMostIterations && residual > 0.0; ++iteration) {
+  Pace pace;
+  for (int iteration = 0; iteration < kMostIterations && residual > 0.0 && !pace.stalls(residual); ++iteration) {
     const VecX misfit = closure.position_residual();
-    VecX step = smallest_step(scaled, closure, columns, misfit, std::min(1e-3, residual), rank);
-    const double longest = std::min(1.0, kFarthestStep / std::max(largest_entry(step), 1e-300));
-    step = step.cwiseProduct(scaled.size().speeds().head(step.size()));
+    Step step = find_step(scaled, closure, columns, misfit, std::min(1e-3, residual), rank);
+    const double longest = std::min(1.0, kFarthestStep / std::max(largest_entry(step.u), 1e-300));
+    step.u = step.u.cwiseProduct(scaled.size().speeds().head(step.u.size()));
     const PartedStep parted(scaled, coordinates, closure, std::move(step));
     double part = longest;
     Trial reached = parted.make(part);
-    for (int halvings = 1; halvings < 12 && !(reached.residual < residual); ++halvings) {
+    const bool is_closed = residual < closed_part(scaled, coordinates);  // what a whole step leaves is round-off
+    for (int halvings = 1; halvings < 12 && !is_closed && !(reached.residual < residual); ++halvings) {
       part *= 0.5;
       reached = parted.make(part);
     }
     if (!(reached.residual < residual)) break;
     const bool is_cut = longest < 1.0 && part == longest;
-    if (is_cut) parted.go_on(misfit, part, reached);
+    const bool stands_elsewhere = is_cut && parted.go_on(misfit, part, reached);
     coordinates = std::move(reached.coordinates);
-    residual = is_cut ? measure(scaled, coordinates, closure) : reached.residual;
+    residual = stands_elsewhere ? measure(scaled, coordinates, closure) : reached.residual;
   }
   measure(scaled, coordinates, closure);
-  // Round-off adds up along a loop, which has at most all links.
-  const double longest = 0.01 * static_cast<double>(scaled.equations().topology().links.size());
-  const double allowed = kClosedPart * std::max(scaled.size_of_places(coordinates.q), longest);
+  const double allowed = closed_part(scaled, coordinates);
   return residual < allowed || scaled.residual_of_coordinates(closure, columns) < allowed;
 }
 

@@ -126,7 +126,10 @@ TEST(Equations, RefuseAccelerationsOfAnotherPose) {
   equations.move(0.0, equations.home(), start.u);
   EXPECT_THROW(equations.compute_reactions(evaluated), std::logic_error);
   EXPECT_THROW((void)equations.power(evaluated), std::logic_error);
-  EXPECT_NO_THROW(equations.compute_reactions(equations.compute_accelerations(0.0, start.q, start.u)));
+  const Evaluated& again = equations.compute_accelerations(0.0, start.q, start.u);
+  EXPECT_NO_THROW(equations.compute_reactions(again));
+  equations.place(0.0, equations.home(), start.u);
+  EXPECT_THROW(equations.compute_reactions(again), std::logic_error);
 }
 
 }  // namespace
