@@ -351,8 +351,9 @@ Coordinates Start::find_as_said() const {
     kept_agree = found.has_value();
     closed = found.value_or(start);
   }
+  const PrescribedMask& driven = scaled_->equations().driven();
   const bool closes_unkept =
-      kept_agree || close_positions(*scaled_, closed, scaled_->equations().driven(), Modes::kept);
+      kept_agree || (prescribed_q != driven && close_positions(*scaled_, closed, driven, Modes::kept));
   if (closes_unkept) require_number_of_kept(closed, prescribed_q, ClosureRows::of_positions);
   if (!kept_agree) throw_not_closing(start, prescribed_q, closes_unkept);
   closed.u = start.u;  // closing the positions has measured the cut joints' speeds, those too that are kept

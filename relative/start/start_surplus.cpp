@@ -38,6 +38,9 @@ std::optional<std::vector<StartWord>> Start::first_independent(const Coordinates
 /// The model that keeps no more than the machine has freedoms, with guesses near all that it kept; nothing where it
 /// does so as it is, or where this cannot be told.
 std::optional<Model> Start::without_surplus() const {
+  if (kept_words(stated(), &WordStart::role_q).empty() && kept_words(stated(), &WordStart::role_u).empty()) {
+    return std::nullopt;
+  }
   Equations& equations = scaled_->equations();
   equations.count_turns(VecX::Zero(equations.topology().n_q));
   Coordinates closed = guess();
