@@ -121,12 +121,17 @@ void JointMeasure::decompose_columns() {
 }
 
 /// Takes the motion at q and the error there; returns half the square of its size.
-double JointMeasure::move(const JointPoint& parent, const JointPoint& child, double* q) {
+double JointMeasure::look(const JointPoint& parent, const JointPoint& child, const double* q) {
   const JointVector still = JointVector::Zero(mobilizer_->n_u());
   mobilizer_->evaluate(q, still.data(), at_);
-  decompose_columns();
   position_residual_ = position_error(at_, parent, child);
   return 0.5 * weighed(position_residual_).squaredNorm();
+}
+
+/// The same, where fits are to follow.
+void JointMeasure::move(const JointPoint& parent, const JointPoint& child, const double* q) {
+  look(parent, child, q);
+  decompose_columns();
 }
 
 /// The part of a step at which the squared error, taken as a parabola, is least; halved until it is less than now. Far
@@ -142,7 +147,7 @@ double JointMeasure::step_length(const JointPoint& parent, const JointPoint& chi
     trial = Eigen::Map<const VecX>(q, mobilizer_->n_q());
     const JointVector part = length * step;
     mobilizer_->advance(trial.data(), part.data());
-    const double then = move(parent, child, trial.data());
+    const double then = look(parent, child, trial.data());
     const double bend = then - now - length * slope;
     const double best = bend > 0.0 ? -0.5 * slope * length * length / bend : 2.0 * length;
     if (then < now) return std::clamp(best, 0.5 * length, 2.0 * length);

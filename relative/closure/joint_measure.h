@@ -67,7 +67,8 @@ class JointMeasure {
   void follow_place(const JointPoint& parent, const JointPoint& child, double* q);
   [[nodiscard]] double size_of(const JointVector& step) const;
   void decompose_columns();
-  double move(const JointPoint& parent, const JointPoint& child, double* q);
+  double look(const JointPoint& parent, const JointPoint& child, const double* q);
+  void move(const JointPoint& parent, const JointPoint& child, const double* q);
   double step_length(const JointPoint& parent, const JointPoint& child, const double* q, const JointVector& step);
   void search(const JointPoint& parent, const JointPoint& child, double least, const VecX& given, double* q);
   void compute_complement();
