@@ -61,8 +61,8 @@ class CartesianSolver : public Solver, public OpenEvaluation {
     set_state(state);
     // Rows that were independent in the last closed state are so beside it.
     const Solution& solution =
-        has_chosen_rows_ ? dynamics_.solve(Pivots::fresh) : solve_with_independent_rows(dynamics_, machine);
-    return reported_evaluation(equations_, solution);
+        has_chosen_rows_ ? dynamics_.solve(Pivots::kept) : solve_with_independent_rows(dynamics_, machine);
+    return reported_accelerations(equations_, solution);
   }
 
   RankReport rank(const State& state) override {

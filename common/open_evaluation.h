@@ -9,7 +9,7 @@ class OpenEvaluation {
  public:
   virtual ~OpenEvaluation() = default;
 
-  /// Accelerations, reactions, total wrenches and driver forces where bodies at rest were displaced from a closed state
+  /// Accelerations of the bodies, and nothing else, where these are at rest and were displaced from a closed state
   /// along velocities that the constraints permit, which leaves them open in second order: to first order in the
   /// displacement they are those of the closed states beside it. Throws SolverError.
   virtual Evaluation evaluate_open(const State& state) = 0;

@@ -73,12 +73,10 @@ class RelativeSolver final : public Solver, public OpenEvaluation {
   }
 
   Evaluation evaluate_open(const State& state) override {
-    StateMisfit misfit;
-    const Coordinates coordinates = states_.read(state, misfit);
+    const Coordinates coordinates = states_.read_beside(state);
     count_turns_of(state);
     assembly_.decide_rank(coordinates);
-    const Evaluated& evaluated = compute_accelerations(coordinates);
-    return states_.write_evaluation(evaluated, equations_.compute_reactions(evaluated));
+    return states_.write_accelerations(compute_accelerations(coordinates));
   }
 
   RankReport rank(const State& state) override { return analyze_rank(assembly_.scaled(), read_closed(state)); }

@@ -16,16 +16,21 @@ State reported_state(const Equations& equations, const VecX& q, const VecX& Y, c
   return state;
 }
 
-Evaluation reported_evaluation(const Equations& equations, const Solution& solution) {
-  const Model& model = equations.model();
+Evaluation reported_accelerations(const Equations& equations, const Solution& solution) {
   const Layout& layout = equations.layout();
-  const MovingConstraints& constraints = equations.moving_constraints();
   Evaluation result;
   result.bodies.resize(layout.n_bodies());
   for (const BodyIndex i : layout.moving_bodies()) {
     result.bodies[i.value] = {layout.v(solution.Ydot(), i), layout.omega(solution.Ydot(), i),
                               layout.adot(solution.Ydot(), i)};
   }
+  return result;
+}
+
+Evaluation reported_evaluation(const Equations& equations, const Solution& solution) {
+  const Model& model = equations.model();
+  const MovingConstraints& constraints = equations.moving_constraints();
+  Evaluation result = reported_accelerations(equations, solution);
   for (const JointIndex k : constraints.joints()) {
     const JointEquations& joint = constraints.joint(k);
     const VecX lambda = joint_multipliers(joint, solution.lambda());

@@ -71,18 +71,31 @@ double States::angle_size(const Span& span) const {
   return std::max(1.0, kRoundOffOfTurns / kLargestMisfit * turned);
 }
 
-Coordinates States::read(const State& state, StateMisfit& misfit) {
+/// Places the bodies, and measures all joints from what the state brings of them.
+Coordinates States::measure_joints(const State& state, JointMeasure::Restart restart) {
   require_shape(state);
   const Model& model = equations_->model();
-  misfit = {};
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     require_numbers(state.bodies[i], model.bodies[i].name, state.t);
-    misfit.take(std::abs(state.bodies[i].p.norm() - 1.0), "body", model.bodies[i].name);
   }
   Coordinates found = stated_coordinates(state);
   count_turns(found);
   kinematics_.place(state.bodies);
-  for (const JointIndex k : upward<JointIndex>(model.joints.size())) measure_joint(k, state, found);
+  for (const JointIndex k : upward<JointIndex>(model.joints.size())) {
+    measure_joint(k, has_q(state, k) ? restart : JointMeasure::Restart::if_better, found);
+  }
+  return found;
+}
+
+Coordinates States::read_beside(const State& state) { return measure_joints(state, JointMeasure::Restart::never); }
+
+Coordinates States::read(const State& state, StateMisfit& misfit) {
+  const Coordinates found = measure_joints(state, JointMeasure::Restart::if_clearly_better);
+  const Model& model = equations_->model();
+  misfit = {};
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    misfit.take(std::abs(state.bodies[i].p.norm() - 1.0), "body", model.bodies[i].name);
+  }
   const MachineSize& size = kinematics_.size();
   const Sizes sizes{std::max(size.length(), kinematics_.farthest_place()), size.rate_at(found.u)};
   for (const JointIndex k : upward<JointIndex>(model.joints.size())) take_misfit(k, sizes, found, misfit);
@@ -108,12 +121,11 @@ Coordinates States::stated_coordinates(const State& state) const {
 }
 
 /// Coordinates and speeds of a joint between its bodies, which have been placed.
-void States::measure_joint(JointIndex k, const State& state, Coordinates& found) {
+void States::measure_joint(JointIndex k, JointMeasure::Restart restart, Coordinates& found) {
   const Span& span = equations_->topology().joints[k];
   JointMeasure& measure = measures_[k];
   const JointPoint& parent = kinematics_.point(k, Side::parent);
   const JointPoint& child = kinematics_.point(k, Side::child);
-  const auto restart = has_q(state, k) ? JointMeasure::Restart::if_clearly_better : JointMeasure::Restart::if_better;
   measure.find_q(parent, child, found.q.data() + span.first_q, restart);
   measure.find_u(parent, child, found.q.data() + span.first_q, found.u.data() + span.first_u);
   kinematics_.require_rank(k, measure.motion_at());
@@ -243,11 +255,16 @@ State States::write(const Motion& motion, const State& before) const {
   return state;
 }
 
-Evaluation States::write_evaluation(const Evaluated& evaluated, const JointReactions& reactions) const {
+Evaluation States::write_accelerations(const Evaluated& evaluated) const {
   Evaluation evaluation;
   for (const BodyIndex i : upward<BodyIndex>(equations_->model().bodies.size())) {
     evaluation.bodies.push_back(evaluated.acceleration(i));
   }
+  return evaluation;
+}
+
+Evaluation States::write_evaluation(const Evaluated& evaluated, const JointReactions& reactions) const {
+  Evaluation evaluation = write_accelerations(evaluated);
   evaluation.joints = reactions.joints;
   evaluation.elements = evaluated.applied_forces().elements();
   evaluation.couplings = reactions.couplings;

@@ -39,7 +39,12 @@ class States {
   /// size or its bodies hold an entry that is not a number.
   Coordinates read(const State& state, StateMisfit& misfit);
 
-  /// The same; throws SolverError where something does not close to round-off, or stands on another branch than q says.
+  /// The same of a state that was displaced from one whose coordinates it brings, and that is open in second order:
+  /// joints stay on the branches on which they were, and what is left open is no misfit.
+  Coordinates read_beside(const State& state);
+
+  /// The same of a closed state; throws SolverError where something does not close to round-off, or stands on another
+  /// branch than q says.
   Coordinates read_closed(const State& state);
 
   /// The whole turns that the coordinates of the last state leave out: see Kinematics::count_turns.
@@ -53,6 +58,8 @@ class States {
   /// those that the state brings; if there is one.
   [[nodiscard]] std::optional<JointIndex> joint_off_branch(const State& state, const VecX& q) const;
 
+  /// Accelerations alone.
+  [[nodiscard]] Evaluation write_accelerations(const Evaluated& evaluated) const;
   /// Accelerations and wrenches.
   [[nodiscard]] Evaluation write_evaluation(const Evaluated& evaluated, const JointReactions& reactions) const;
 
@@ -63,7 +70,8 @@ class States {
     double rate;   // [1/s]
   };
   [[nodiscard]] Coordinates stated_coordinates(const State& state) const;
-  void measure_joint(JointIndex k, const State& state, Coordinates& found);
+  [[nodiscard]] Coordinates measure_joints(const State& state, JointMeasure::Restart restart);
+  void measure_joint(JointIndex k, JointMeasure::Restart restart, Coordinates& found);
   void take_misfit(JointIndex k, const Sizes& sizes, const Coordinates& found, StateMisfit& misfit);
   void measure_coupling(const Coupling& coupling, const Sizes& sizes, const Coordinates& found,
                         StateMisfit& misfit) const;

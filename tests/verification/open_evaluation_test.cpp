@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "cartesian/solver.h"
 #include "common/reading/model_file.h"
@@ -80,6 +81,27 @@ TEST_CASE("To first order accelerations in open states are those of the closed s
   const VecX closed = (4.0 * slope(true, 0.5 * kStep) - slope(true, kStep)) / 3.0;
   const VecX opened = (4.0 * slope(false, 0.5 * kStep) - slope(false, kStep)) / 3.0;
   CHECK((opened - closed).norm() <= 1e-6 * closed.norm());
+}
+
+TEST_CASE("Both solvers name the directions without stiffness of a rest in the same order", "[quick]") {
+  const Model model = machine("car");
+  const auto names = [&](const std::string& who) {
+    std::vector<std::string> found;
+    for (const compare::FreeDirection& direction : compare::find_equilibrium(model, *solver_by(who, model)).free) {
+      found.push_back(direction.name);
+    }
+    return found;
+  };
+  const std::vector<std::string> by_cartesian = names("cartesian");
+  CHECK(by_cartesian.size() == 7);
+  CHECK(names("relative") == by_cartesian);
+}
+
+TEST_CASE("A car on its tires is not put back to where it starts, for their stiffness tells where it rests",
+          "[quick]") {
+  const std::string who = GENERATE(as<std::string>{}, "cartesian", "relative");
+  const Model model = machine("car");
+  CHECK(compare::find_equilibrium(model, *solver_by(who, model)).iterations <= 6);
 }
 
 TEST_CASE("An equilibrium is found with a closing for each step, not for each derivative", "[quick]") {

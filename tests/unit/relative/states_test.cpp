@@ -120,6 +120,17 @@ TEST(States, MeasureDrivenCoordinatesAgainstTheirLaws) {
   EXPECT_EQ(misfit.where, "joint 'A'");
 }
 
+TEST_P(StatesOfMachine, ReadsWhatIsOpenOnTheBranchesWhereItWas) {
+  State open = state_;
+  for (std::size_t i = 1; i < open.bodies.size(); ++i) open.bodies[i].r += 1e-4 * Vec3(1.0, -0.7, 0.4) / double(i);
+  const Coordinates beside = states_.read_beside(open);
+  EXPECT_GT((beside.q - start_.q).norm(), 1e-6);
+  EXPECT_LT((beside.q - start_.q).norm(), 0.05);
+  StateMisfit misfit;
+  EXPECT_LT((beside.q - states_.read(open, misfit).q).norm(), 1e-9);
+  EXPECT_GT(misfit.largest, 1e-6);
+}
+
 /// The elevation of a rod on two turns has two names; the state's coordinates choose.
 TEST(States, KeepTheNameOfALinkThatTheyCameWith) {
   Model model = test::pair(*test::type_named("distance"), 2);
