@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "cartesian/rank/clear_rows.h"
 #include "common/decompositions.h"
 #include "common/error.h"
 
@@ -42,6 +43,9 @@ ScaledJacobian scaled_jacobian(const Equations& equations) {
 RowChoice choose_rows(const Equations& equations, int most) {
   const Constraints& constraints = equations.constraints();
   const SparseMatrix matrix = scaled_jacobian(equations).matrix;
+  if (most >= matrix.rows() && ClearRows(matrix).are_independent()) {
+    return {static_cast<int>(matrix.rows()), std::vector<bool>(matrix.rows(), true)};
+  }
   std::vector<bool> holds_positions;
   for (const RowIndex row : constraints.rows()) holds_positions.push_back(constraints.holds_positions(row));
   RankDecision decision = decide_rank(matrix, constraints.has_nonholonomic_rows() ? &holds_positions : nullptr);

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <set>
 
+#include "cartesian/rank/clear_rows.h"
 #include "common/decompositions.h"
 #include "machines.h"
 
@@ -34,6 +36,41 @@ void expect_one_dependent(const MatX& matrix) {
 TEST(Rank, FindsADependentRowBySingularValues) { expect_one_dependent(dependent_rows(7, 12)); }
 
 TEST(Rank, FindsADependentRowBySparseQr) { expect_one_dependent(dependent_rows(520, 560)); }
+
+TEST(Rank, ClearRowsGiveTheShortestSolution) {
+  testing::Numbers numbers(73);
+  const MatX matrix = numbers.matrix(40, 70).rowwise().normalized();
+  const SparseMatrix rows = sparse(matrix);
+  const ClearRows clear(rows);
+  ASSERT_TRUE(clear.are_independent());
+  const VecX right_side = numbers.matrix(40, 1);
+  EXPECT_LT((clear.shortest(right_side) - smallest_least_squares(matrix, right_side)).norm(), 1e-13);
+}
+
+/// Two rows that are nearly the same, rows that are nearly dependent only together, more rows than columns, a row of
+/// zeros, and what is no number.
+TEST(Rank, RowsThatHardlyDifferAreNotClear) {
+  testing::Numbers numbers(74);
+  const MatX matrix = numbers.matrix(20, 40).rowwise().normalized();
+  const auto is_clear = [](const MatX& changed) {
+    const SparseMatrix rows = sparse(changed);
+    return ClearRows(rows).are_independent();
+  };
+  EXPECT_TRUE(is_clear(matrix));
+  MatX near = matrix;
+  near.row(7) = (matrix.row(3) + 5e-4 * matrix.row(7)).normalized();
+  EXPECT_FALSE(is_clear(near));
+  MatX chained = MatX::Identity(20, 40);
+  for (Eigen::Index row = 1; row < 20; ++row) chained(row, row - 1) = -2.0;
+  EXPECT_FALSE(is_clear(chained.rowwise().normalized()));
+  EXPECT_FALSE(is_clear(matrix.transpose()));
+  MatX empty = matrix;
+  empty.row(5).setZero();
+  EXPECT_FALSE(is_clear(empty));
+  MatX spoilt = matrix;
+  spoilt(2, 2) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(is_clear(spoilt));
+}
 
 /// Two rows that differ by a part of 1e-7, 3e-10 or 1e-14: kept, in doubt, dropped.
 TEST(Rank, SmallSingularValuesAreFoundExactly) {
