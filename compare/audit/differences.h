@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "common/types.h"
 
@@ -32,7 +33,8 @@ SlopeMisfit slope_misfit(const Function& f, const VecX& expected, const VecX& sc
   const Eigen::Array<bool, Eigen::Dynamic, 1> is_wanted = expected.array().isInf();
   VecX wanted = expected;
   VecX wanted_doubt = is_wanted.select(VecX::Constant(expected.size(), HUGE_VAL), VecX::Zero(expected.size()));
-  const auto take = [&](const VecX& slope) {
+  using Values = typename std::decay_t<decltype(f(0.0))>::PlainObject;
+  const auto take = [&](const Values& slope) {
     const auto misfit = (slope - expected).cwiseQuotient(scales).cwiseAbs().eval();
     const double size = expected.array().isFinite().select(misfit.array(), 0.0).maxCoeff();
     if (size < best.size || best.slope.size() == 0) {
@@ -40,18 +42,18 @@ SlopeMisfit slope_misfit(const Function& f, const VecX& expected, const VecX& sc
       best.size = size;
     }
   };
-  VecX before;
+  Values before;
   best.doubt = enough * scales;
   double least_doubt = std::numeric_limits<double>::infinity();
   double h = step;
   const auto is_good = [&] { return best.size <= enough && (wanted_doubt.array() <= enough * scales.array()).all(); };
   for (int k = 0; k < kSteps && !is_good(); ++k, h *= kShrink) {
-    const VecX f1 = f(h), f2 = f(2.0 * h), f3 = f(3.0 * h), b1 = f(-h), b2 = f(-2.0 * h), b3 = f(-3.0 * h);
-    const VecX across = (45.0 * (f1 - b1) - 9.0 * (f2 - b2) + (f3 - b3)) / (60.0 * h);
+    const Values f1 = f(h), f2 = f(2.0 * h), f3 = f(3.0 * h), b1 = f(-h), b2 = f(-2.0 * h), b3 = f(-3.0 * h);
+    const Values across = (45.0 * (f1 - b1) - 9.0 * (f2 - b2) + (f3 - b3)) / (60.0 * h);
     take(across);
     if (is_good()) break;
     if (before.size() > 0) {
-      const VecX doubt = (across - before).cwiseAbs();
+      const Values doubt = (across - before).cwiseAbs();
       for (Eigen::Index c = 0; c < doubt.size(); ++c) {
         if (!is_wanted(c) || !(doubt(c) < wanted_doubt(c))) continue;
         wanted(c) = across(c);
@@ -64,7 +66,7 @@ SlopeMisfit slope_misfit(const Function& f, const VecX& expected, const VecX& sc
       }
     }
     before = across;
-    const VecX here = f(0.0);
+    const Values here = f(0.0);
     take((-25.0 * here + 48.0 * f1 - 36.0 * f2 + 16.0 * f3 - 3.0 * f(4.0 * h)) / (12.0 * h));
     take((25.0 * here - 48.0 * b1 + 36.0 * b2 - 16.0 * b3 + 3.0 * f(-4.0 * h)) / (12.0 * h));
   }

@@ -48,6 +48,9 @@ struct BodyAlongMotion {
   }
 };
 
+/// What of v_rel no permitted speed gives, and then the joint speeds.
+using BothRates = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 6 + kMostSpeeds, 1>;
+
 /// The two bodies of a joint, moved along their motion.
 class JointAlongMotion {
  public:
@@ -59,16 +62,18 @@ class JointAlongMotion {
         bodies_{of(Side::parent, state, evaluation), of(Side::child, state, evaluation)} {}
 
   /// What of v_rel no permitted speed gives, and then the joint speeds, h seconds on.
-  [[nodiscard]] VecX after(double h) const {
+  [[nodiscard]] BothRates after(double h) const {
     const RelativeMotion relative = relative_after(h);
     const JointMotion motion = read_motion(*joint_.type, relative, hint_);
-    VecX both(6 + motion.u.size());
+    BothRates both(6 + motion.u.size());
     both << not_permitted(motion, relative.v_rel), motion.u;
     return both;
   }
 
   /// The joint speeds h seconds on.
-  [[nodiscard]] VecX speeds_after(double h) const { return read_motion(*joint_.type, relative_after(h), hint_).u; }
+  [[nodiscard]] SpeedVector speeds_after(double h) const {
+    return read_motion(*joint_.type, relative_after(h), hint_).u;
+  }
 
   [[nodiscard]] const joints::JointType& type() const { return *joint_.type; }
 
@@ -80,9 +85,9 @@ class JointAlongMotion {
 
   /// The part of v_rel that is farthest from the permitted directions, lengths in units of the machine's.
   [[nodiscard]] Vec6 not_permitted(const JointMotion& motion, const Vec6& v_rel) const {
-    const Mat6X directions = weights_.asDiagonal() * (motion.S * motion.free);
+    const SpeedColumns directions = weights_.asDiagonal() * (motion.S * motion.free);
     if (directions.cols() == 0) return v_rel;
-    const VecX nearest = least_squares(directions, weights_.asDiagonal() * v_rel);
+    const SpeedVector nearest = nearest_combination(directions, weights_.asDiagonal() * v_rel);
     return v_rel - motion.S * (motion.free * nearest);
   }
 

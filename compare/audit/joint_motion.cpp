@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 
-#include "common/decompositions.h"
 #include "common/joints/named_coordinates.h"
 #include "compare/audit/referee.h"
 
@@ -94,7 +93,7 @@ class CoordinateReading {
 
 /// A length of a joint: the displacement of a turn, or what a slide moves in a radian of its own turn; where neither
 /// couples them, the displacement of the motions by radian; 1 if no motion turns.
-double own_length(const Mat6X& S, const std::vector<bool>& turning, const Mat6X& motions) {
+double own_length(const SpeedColumns& S, const std::vector<bool>& turning, const SpeedColumns& motions) {
   double length = 0.0;
   for (Eigen::Index c = 0; c < S.cols(); ++c) {
     const double displacement = S.col(c).head<3>().norm();
@@ -112,19 +111,19 @@ double own_length(const Mat6X& S, const std::vector<bool>& turning, const Mat6X&
 
 /// The speeds (n_u x n) with S u nearest to the motions (6 x n), displacements and slides in parts of the joint's own
 /// length: in metres and radians, round-off of the larger would reach the smaller.
-MatX nearest_speeds(const joints::JointType& type, const Mat6X& S, const Mat6X& motions) {
+SpeedMatrix nearest_speeds(const joints::JointType& type, const SpeedColumns& S, const SpeedColumns& motions) {
   const std::vector<bool> turning = turning_speeds(type);
   const double length = own_length(S, turning, motions);
-  Mat6X columns = S;
-  Mat6X wanted = motions;
+  SpeedColumns columns = S;
+  SpeedColumns wanted = motions;
   columns.topRows<3>() /= length;
   wanted.topRows<3>() /= length;
-  VecX units = VecX::Ones(S.cols());
+  SpeedVector units = SpeedVector::Ones(S.cols());
   for (Eigen::Index c = 0; c < S.cols(); ++c) {
     if (!turning[static_cast<std::size_t>(c)]) units(c) = length;
   }
-  const Mat6X by_unit = columns * units.asDiagonal();
-  return units.asDiagonal() * least_squares(by_unit, wanted);
+  const SpeedColumns by_unit = columns * units.asDiagonal();
+  return units.asDiagonal() * nearest_combination(by_unit, wanted);
 }
 
 /// Calls `use` with the speed, the actuator's force, and the resistance of each spring at rest and at its rate.
@@ -142,9 +141,9 @@ void for_each_spring(const Joint& joint, const std::vector<LawOfForce>& springs,
 
 }  // namespace
 
-MatX free_speeds(const joints::JointType& type, const Mat3& R, const Mat6X& S) {
-  if (type.permits_speeds.empty()) return MatX::Identity(S.cols(), S.cols());
-  Mat6X possible(6, type.permits_speeds.size());
+SpeedMatrix free_speeds(const joints::JointType& type, const Mat3& R, const SpeedColumns& S) {
+  if (type.permits_speeds.empty()) return SpeedMatrix::Identity(S.cols(), S.cols());
+  SpeedColumns possible(6, type.permits_speeds.size());
   for (Eigen::Index k = 0; k < possible.cols(); ++k) {
     possible.col(k) = referee_permitted_speed(type.permits_speeds[static_cast<std::size_t>(k)], R);
   }
@@ -169,7 +168,7 @@ JointMotion read_motion(const joints::JointType& type, const RelativeMotion& rel
   motion.d = refereed.placement.d;
   motion.R = refereed.placement.R;
   motion.free = free_speeds(type, relative.R, motion.S);
-  motion.u = motion.S.cols() > 0 ? VecX(nearest_speeds(type, motion.S, relative.v_rel)) : VecX();
+  if (motion.S.cols() > 0) motion.u = nearest_speeds(type, motion.S, relative.v_rel);
   return motion;
 }
 

@@ -8,6 +8,7 @@
 #include "common/results.h"
 #include "compare/audit/law_of_force.h"
 #include "compare/audit/places.h"
+#include "compare/audit/speed_columns.h"
 
 /// Coordinates, speeds and permitted directions of a joint as the third opinion reads them from the bodies alone.
 namespace concord::compare {
@@ -16,18 +17,18 @@ struct JointMotion {
   /// Joint coordinates, turns counted from the hint; Euler parameters of a ball.
   VecX q;
   /// Joint speeds: those with S u nearest to v_rel.
-  VecX u;
+  SpeedVector u;
   /// v_rel = S u, 6 x n_u, in the parent's joint frame.
-  Mat6X S;
+  SpeedColumns S;
   /// The speeds that are possible, u = free w: identity but where the type forbids velocities alone (n_u rows).
-  MatX free;
+  SpeedMatrix free;
   /// Where the motion leads with the coordinates q: position and orientation in the parent's joint frame.
   Vec3 d = Vec3::Zero();
   Mat3 R = Mat3::Identity();
 };
 
 /// JointMotion::free of a type where its child stands turned by R and its speeds have the columns S.
-MatX free_speeds(const joints::JointType& type, const Mat3& R, const Mat6X& S);
+SpeedMatrix free_speeds(const joints::JointType& type, const Mat3& R, const SpeedColumns& S);
 
 /// The child's frame of a joint seen from the parent's.
 RelativeMotion relative_motion_of(const Joint& joint, const State& state);

@@ -63,8 +63,16 @@ Vec3 rotation_vector_of(const Mat3& R) {
 
 PlacedFrame place(const Attachment& side, const BodyState& body) {
   const Mat3 A = rotation_of(body.p);
-  const Vec3 theta = side.Psi_r_L * body.a;
   PlacedFrame frame;
+  if (body.a.size() == 0) {
+    frame.lever = A * side.point_L;
+    frame.r_P = body.r + frame.lever;
+    frame.A_joint = A * side.C;
+    frame.v_P = body.v + body.omega.cross(frame.lever);
+    frame.omega_joint = body.omega;
+    return frame;
+  }
+  const Vec3 theta = side.Psi_r_L * body.a;
   frame.lever = A * (side.point_L + side.Psi_t_L * body.a);
   frame.r_P = body.r + frame.lever;
   frame.A_joint = A * exponential_of(theta) * side.C;

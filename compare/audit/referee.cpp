@@ -191,6 +191,7 @@ class PermittedMotion {
   };
 
   PermittedMotion(const JointType& type, const Coordinates& coordinates) : coordinates_(coordinates) {
+    lines_.reserve(type.permits.size());
     for (const joints::Permit& word : type.permits) std::visit(*this, word);
   }
 
@@ -231,10 +232,10 @@ const joints::FunctionOfCoordinates* function_of_motion(const JointType& type) {
 
 /// The child's velocity for a unit of each speed. A turn before a ball carries the arm's end, but not the child's
 /// orientation.
-Mat6X columns_of(const PermittedMotion<PlainCoordinates>& motion, int n_u) {
+SpeedColumns columns_of(const PermittedMotion<PlainCoordinates>& motion, int n_u) {
   const auto& lines = motion.lines();
   const bool ends_with_ball = !lines.empty() && lines.back().kind == joints::CoordinateKind::orientation;
-  Mat6X S = Mat6X::Zero(6, n_u);
+  SpeedColumns S = SpeedColumns::Zero(6, n_u);
   Eigen::Index column = 0;
   for (const auto& line : lines) {
     switch (line.kind) {

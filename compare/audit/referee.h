@@ -4,6 +4,7 @@
 
 #include "common/joints/by_function.h"
 #include "common/joints/joint_type.h"
+#include "compare/audit/speed_columns.h"
 
 /// A third reading of the words of a joint type, beside those of the two solvers: one clause for each word, written
 /// down plainly. The audit asks it for numbers, the joint check also for derivatives, which follow from the same
@@ -37,7 +38,7 @@ joints::FunctionOfCoordinates::Motion referee_permits(const joints::JointType& t
 /// speed, 6 x n_u, from the axis and the position of each turn.
 struct RefereedMotion {
   joints::Placement placement;
-  Mat6X S;
+  SpeedColumns S;
 };
 RefereedMotion referee_motion(const joints::JointType& type, const VecX& q);
 

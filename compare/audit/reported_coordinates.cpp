@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "common/joints/named_coordinates.h"
@@ -106,6 +107,7 @@ class CoordinateAudit {
   }
 
   void add(const State& state) {
+    std::optional<std::array<State, 2>> moved;
     for (const Owner& owner : owners_) {
       const std::vector<Entry> found = owner.entries(state, state);
       std::vector<double> open;
@@ -113,7 +115,8 @@ class CoordinateAudit {
         const double misfit = std::abs(found[e].reported - found[e].by_bodies);
         const double scale = scale_of(found[e], state);
         if (matching_digits(misfit, scale) >= worst_.digits) continue;
-        if (open.empty()) open = what_round_off_leaves(owner, state, found);
+        if (!moved) moved = within_roundoff(state, length_);
+        if (open.empty()) open = what_round_off_leaves(owner, state, *moved, found);
         const double digits = matching_digits(std::isnan(misfit) ? misfit : std::max(0.0, misfit - open[e]), scale);
         if (digits >= worst_.digits) continue;
         worst_ = {digits, fmt::format("{}, {}", owner.name, *found[e].name), state.t, found[e].reported,
@@ -137,11 +140,12 @@ class CoordinateAudit {
   }
 
   /// By entry: how far the reading of the bodies moves with the last digits of the state.
-  [[nodiscard]] std::vector<double> what_round_off_leaves(const Owner& owner, const State& state,
-                                                          const std::vector<Entry>& found) const {
+  [[nodiscard]] static std::vector<double> what_round_off_leaves(const Owner& owner, const State& state,
+                                                                 const std::array<State, 2>& moved,
+                                                                 const std::vector<Entry>& found) {
     std::vector<double> open(found.size(), 0.0);
-    for (const State& moved : within_roundoff(state, length_)) {
-      const std::vector<Entry> there = owner.entries(moved, state);
+    for (const State& one : moved) {
+      const std::vector<Entry> there = owner.entries(one, state);
       for (std::size_t e = 0; e < found.size(); ++e) {
         const double of_reading = std::abs(there[e].by_bodies - found[e].by_bodies);
         const double of_turn = found[e].is_speed ? 0.0 : std::abs(there[e].reported - found[e].reported);

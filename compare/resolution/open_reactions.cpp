@@ -37,7 +37,7 @@ bool finds_all_unique(const Model& model, const RankReport& report) {
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     for (const Side side : kSides) {
       for (int c = 0; c < 6; ++c) {
-        if (carries(*model.joints[k].type, side, c) && !report.joints.at(k).unique[index(side)][c]) return false;
+        if (!report.joints.at(k).unique[index(side)][c] && carries(*model.joints[k].type, side, c)) return false;
       }
     }
   }
