@@ -146,7 +146,9 @@ Vec6 Kinematics::acceleration_of_origin(BodyIndex i, const Vec6& Vdot) const {
 
 double Kinematics::farthest_place() const {
   double farthest = 0.0;
-  for (const BodyMotion& body : bodies_) farthest = std::max(farthest, body.r.cwiseAbs().maxCoeff());
+  for (const BodyIndex i : upward<BodyIndex>(bodies_.size())) {
+    farthest = std::max(farthest, motion_of_origin(i).r.cwiseAbs().maxCoeff());
+  }
   return farthest;
 }
 
@@ -352,6 +354,18 @@ MatX Kinematics::explicit_B() const {
     MatX rows = MatX::Zero(size, topology_.n_tree_u);
     add_times_B(BodyIndex(i), MatX::Identity(size, size), rows);
     B.middleRows(first_rows_[i], size) = rows;
+  }
+  return B;
+}
+
+MatX Kinematics::explicit_B_of_origins() const {
+  MatX B = explicit_B();
+  for (std::size_t i = 1; i < bodies_.size(); ++i) {
+    const Vec3 to_origin = -(bodies_[i].A * topology_.reference_points_L[i]);
+    for (Eigen::Index c = 0; c < B.cols(); ++c) {
+      auto V = B.col(c).segment<6>(first_rows_[i]);
+      V = shift_motion(V, to_origin);
+    }
   }
   return B;
 }

@@ -97,7 +97,7 @@ class Kinematics {
   [[nodiscard]] BodyMotion motion_of_origin(BodyIndex i) const;
   /// [vdot; omegadot] at the origin of a body's frame, from that at its reference point, as of the last update.
   [[nodiscard]] Vec6 acceleration_of_origin(BodyIndex i, const Vec6& Vdot) const;
-  /// Largest entry of the places of all bodies [m].
+  /// Largest entry of the places of all bodies' origins [m], whose round-off states hold.
   [[nodiscard]] double farthest_place() const;
   [[nodiscard]] const LinkBlocks& blocks(LinkIndex link) const { return blocks_[link]; }
   [[nodiscard]] const JointPoint& point(JointIndex joint, Side side) const { return points_[2 * joint + index(side)]; }
@@ -117,6 +117,8 @@ class Kinematics {
 
   /// The explicit B, by (R23): n_rows x n_tree_u. For inspection; the solver never forms it.
   [[nodiscard]] MatX explicit_B() const;
+  /// The same, of the origins of the bodies' frames.
+  [[nodiscard]] MatX explicit_B_of_origins() const;
   /// Bdot u (R22), n_rows numbers.
   [[nodiscard]] VecX Bdot_u() const;
   /// Y of all bodies, n_rows numbers.

@@ -174,7 +174,7 @@ MatX permitted_velocities(const ScaledClosure& scaled, const Coordinates& coordi
   const MatX N = RowRank(scaled.rows(free)).free_directions();
   const VecX& speeds = scaled.size().speeds();
   const VecX units = speeds(free);
-  const MatX B = equations.kinematics().explicit_B();
+  const MatX B = equations.kinematics().explicit_B_of_origins();
   MatX velocities = B(Eigen::all, free) * units.asDiagonal() * N;
   const double length = equations.model().length_scale();  // as every solver counts them
   VecX sizes = VecX::Ones(velocities.rows());

@@ -270,14 +270,10 @@ TEST_CASE("The right side of (22) needs M Bdot u; with M B udot, as printed, the
   const relative::Evaluated& evaluated = equations.compute_accelerations(0.0, start.q, start.u);
   const State state = relative::make_solver(model)->assemble();
   const relative::Kinematics& kinematics = equations.kinematics();
-  MatX B = kinematics.explicit_B();
+  const MatX B = kinematics.explicit_B_of_origins();
   VecX Bdot_u = kinematics.Bdot_u();
-  for (relative::BodyIndex i(1); i < 3; ++i) {  // from the points of the joints to the origins of the frames
+  for (relative::BodyIndex i(1); i < 3; ++i) {
     const int row = kinematics.first_row(i);
-    const Vec3 to_origin = kinematics.motion_of_origin(i).r - kinematics.body(i).r;
-    for (Eigen::Index c = 0; c < B.cols(); ++c) {
-      B.col(c).segment<6>(row) = relative::shift_motion(B.col(c).segment<6>(row), to_origin);
-    }
     Bdot_u.segment<6>(row) = kinematics.acceleration_of_origin(i, Bdot_u.segment<6>(row));
   }
   MatX M = MatX::Zero(B.rows(), B.rows());
