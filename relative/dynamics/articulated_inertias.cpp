@@ -122,10 +122,11 @@ template <int N, bool kOnlyTurns>
 void ArticulatedInertias::eliminate_rigid(LinkIndex l) {  // (R34), (R35)
   ArticulatedBody& link = links_[l];
   const Mat6& H = free_columns(l);
-  const Vec6 p = link.bias_force + times(link.articulated_inertia, given_acceleration(l));
+  Vec6 p = link.bias_force;
   Mat6 V;
   Vec6 w;
-  for (int j = 0; j < N; ++j) V.col(j) = product<kOnlyTurns>(link.articulated_inertia, H.col(j).data());
+  multiply_both<kOnlyTurns>(link.articulated_inertia, given_acceleration(l), H.data(), p, V.data());
+  for (int j = 1; j < N; ++j) V.col(j) = times(link.articulated_inertia, H.col(j));
   for (int j = 0; j < N; ++j) {
     for (int i = j; i < N; ++i) link.L(i, j) = product<kOnlyTurns>(H.col(i).data(), V.col(j));
   }
@@ -138,10 +139,16 @@ void ArticulatedInertias::eliminate_rigid(LinkIndex l) {  // (R34), (R35)
     link.root(j) = std::sqrt(link.L(j, j));
     link.uhat(j) = w(j) / link.root(j);
   }
-  if (!reference_of_link_[l]) return;
+  if (reference_of_link_[l]) pass_on<N>(l, V, p + combination<N>(link.W, w));
+}
+
+/// What the joint leaves of the inertia, and the bias force p, to the reference body (R36).
+template <int N>
+void ArticulatedInertias::pass_on(LinkIndex l, const Mat6& V, const Vec6& p) {
+  const ArticulatedBody& link = links_[l];
   Mat6 left;
   take_off_products<N>(link.articulated_inertia, V, link.W, left);
-  add_to_reference_body(l, left, p + combination<N>(link.W, w));
+  add_to_reference_body(l, left, p);
 }
 
 void ArticulatedInertias::eliminate_flexible(LinkIndex l) {  // (R34), (R35)

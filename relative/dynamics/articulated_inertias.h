@@ -106,6 +106,8 @@ class ArticulatedInertias {
   void gather_columns(LinkIndex l, const VecX& udot);
   template <int N, bool kOnlyTurns>
   [[gnu::flatten]] void eliminate_rigid(LinkIndex l);
+  template <int N>
+  [[gnu::noinline]] void pass_on(LinkIndex l, const Mat6& V, const Vec6& p);
   void eliminate_flexible(LinkIndex l);
   [[gnu::always_inline]] inline void add_to_reference_body(LinkIndex l, const Mat6& I, const Vec6& p);
   [[gnu::noinline]] void add_to_reference_modes(LinkIndex l, LinkIndex reference, const Mat6& I, const Vec6& p);

@@ -230,9 +230,8 @@ void Reactions::backward_pass() {  // (R57), (R58)
 void Reactions::report(JointIndex joint, const Vec6& on_child, const Vec6& on_parent) {
   JointWrenches& wrenches = found_.joints[joint];
   const auto report_on = [&](Side side, const Vec6& w) {
-    const Mat3& A = kinematics_->point(joint, side).A;
     SideWrench& total = wrenches.total[index(side)];
-    multiply_transpose(A, w, total.in_C.force, total.in_C.torque);
+    multiply_transpose(kinematics_->point(joint, side).A, w, total.in_C.force, total.in_C.torque);
     total.in_global.force = w.head<3>();
     total.in_global.torque = w.tail<3>();
     wrenches.reaction[index(side)] = total;

@@ -36,6 +36,14 @@ Vec6 TreeAccelerations::of_point(JointIndex joint, Side side) const {
   return Vdot;
 }
 
+void TreeAccelerations::load(const ArticulatedInertias& tree, LinkIndex l) {
+  if (flexible_of_link_[l]) {
+    flexible_[*flexible_of_link_[l]].uhat = tree.flexible(l)->uhat;
+  } else {
+    links_[l].uhat = tree.link(l).uhat;
+  }
+}
+
 void TreeAccelerations::solve(const ArticulatedInertias& tree, const VecX& udot) {
   udot_ = udot;
   for (const LinkIndex l : upward<LinkIndex>(flexible_of_link_.size())) {
@@ -46,15 +54,6 @@ void TreeAccelerations::solve(const ArticulatedInertias& tree, const VecX& udot)
 
 void TreeAccelerations::solve_again(const ArticulatedInertias& tree) {
   for (const LinkIndex l : upward<LinkIndex>(flexible_of_link_.size())) solve_link(tree, l);
-}
-
-void TreeAccelerations::load(const ArticulatedInertias& tree, LinkIndex l) {
-  if (flexible_of_link_[l]) {
-    flexible_[*flexible_of_link_[l]].uhat = tree.flexible(l)->uhat;
-  } else {
-    const ArticulatedBody& link = tree.link(l);
-    for (int k = 0; k < link.n_free; ++k) links_[l].uhat(k) = link.uhat(k);
-  }
 }
 
 void TreeAccelerations::add_force(LinkIndex link, const Eigen::Ref<const VecX>& response) {

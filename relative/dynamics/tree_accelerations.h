@@ -44,7 +44,7 @@ class TreeAccelerations {
     VecX addot;
   };
 
-  void load(const ArticulatedInertias& tree, LinkIndex l);
+  [[gnu::always_inline]] inline void load(const ArticulatedInertias& tree, LinkIndex l);
   void solve_link(const ArticulatedInertias& tree, LinkIndex l);
   [[gnu::always_inline]] [[nodiscard]] inline Vec6 acceleration_from_reference(LinkIndex l) const;
   template <int N>
