@@ -58,23 +58,27 @@ template <int N>
 /// reference point of a rigid body.
 template <bool kOnlyTurns>
 [[gnu::always_inline]] inline double product(const double* column, const Vec6& other) {
-  const double turning = column[3] * other(3) + column[4] * other(4) + column[5] * other(5);
-  if constexpr (kOnlyTurns) return turning;
-  return column[0] * other(0) + column[1] * other(1) + column[2] * other(2) + turning;
+  if constexpr (kOnlyTurns) return column[3] * other(3) + column[4] * other(4) + column[5] * other(5);
+  return Eigen::Map<const Vec6>(column).dot(other);
 }
+
 /// Adds I c to a vector and writes I h, where each pair of rows of I is read once.
 template <bool kOnlyTurns>
 [[gnu::always_inline]] inline void multiply_both(const Mat6& I, const Vec6& c, const double* h, Vec6& sum, double* Ih) {
   const auto two_rows = [&](int row) {
     const double* m = I.data() + row;
-    const Pair of_turns[3] = {load_pair(m + 18), load_pair(m + 24), load_pair(m + 30)};
-    Pair along_h = of_turns[0] * h[3] + of_turns[1] * h[4] + of_turns[2] * h[5];
-    const Pair of_c = of_turns[0] * c(3) + of_turns[1] * c(4) + of_turns[2] * c(5);
-    const Pair slides[3] = {load_pair(m), load_pair(m + 6), load_pair(m + 12)};
-    if constexpr (!kOnlyTurns) along_h += slides[0] * h[0] + slides[1] * h[1] + slides[2] * h[2];
-    store_pair(along_h, Ih + row);
-    store_pair(load_pair(sum.data() + row) + (slides[0] * c(0) + slides[1] * c(1) + slides[2] * c(2)) + of_c,
-               sum.data() + row);
+    const Pair columns[6] = {load_pair(m),      load_pair(m + 6),  load_pair(m + 12),
+                             load_pair(m + 18), load_pair(m + 24), load_pair(m + 30)};
+    const Pair along_c = columns[0] * c(0) + columns[1] * c(1) + columns[2] * c(2) + columns[3] * c(3) +
+                         columns[4] * c(4) + columns[5] * c(5);
+    store_pair(load_pair(sum.data() + row) + along_c, sum.data() + row);
+    if constexpr (kOnlyTurns) {
+      store_pair(columns[3] * h[3] + columns[4] * h[4] + columns[5] * h[5], Ih + row);
+    } else {
+      store_pair(columns[0] * h[0] + columns[1] * h[1] + columns[2] * h[2] + columns[3] * h[3] + columns[4] * h[4] +
+                     columns[5] * h[5],
+                 Ih + row);
+    }
   };
   two_rows(0);
   two_rows(2);
