@@ -53,7 +53,7 @@ class CartesianSolver : public Solver, public OpenEvaluation {
     refuse_open(equations_, state, q_, Y_);
     refuse_other_branch(equations_, state);
     has_chosen_rows_ = true;
-    return reported_evaluation(equations_, solve_with_independent_rows(dynamics_, machine));
+    return reported_evaluation(equations_, solve_with_independent_rows(dynamics_, machine, &rows_once_clear_));
   }
 
   Evaluation evaluate_open(const State& state) override {
@@ -131,6 +131,7 @@ class CartesianSolver : public Solver, public OpenEvaluation {
   VecX q_;
   VecX Y_;
   std::optional<Prepared> prepared_;
+  RowsOnceClear rows_once_clear_;
   bool has_chosen_rows_ = false;
 };
 

@@ -16,6 +16,8 @@ class ClearRows {
   /// Whether of each row more than a thousandth is independent of those before it, and the smallest singular value, by
   /// inverse iteration, is above 1e-4. Numbers that are not finite are not clear.
   [[nodiscard]] bool are_independent() const { return are_independent_; }
+  /// Estimated, at most a little too large; of rows that are independent.
+  [[nodiscard]] double smallest_singular_value() const { return smallest_singular_value_; }
   /// The shortest x with J x = right side, J^T (J J^T)^-1 right side, where the rows are independent.
   [[nodiscard]] VecX shortest(const VecX& right_side) const;
 
@@ -23,7 +25,20 @@ class ClearRows {
   const SparseMatrix& rows_;
   SparseMatrix transposed_;
   Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::AMDOrdering<SparseIndex>> factors_;
+  double smallest_singular_value_ = 0.0;
   bool are_independent_ = false;
+};
+
+/// Rows that were clear when they were last factorized: so are those that differ from them by less than a quarter of
+/// their smallest singular value, because no singular value changes by more than the difference has (Weyl).
+class RowsOnceClear {
+ public:
+  /// Whether these rows, which have the same pattern each time, are clear; factorizes those that are farther away.
+  [[nodiscard]] bool are_independent(const SparseMatrix& rows);
+
+ private:
+  VecX values_;  // of the matrix
+  double reach_ = 0.0;
 };
 
 }  // namespace concord::cartesian

@@ -11,7 +11,6 @@
 #include <string>
 #include <utility>
 
-#include "cartesian/rank/clear_rows.h"
 #include "common/decompositions.h"
 #include "common/error.h"
 
@@ -40,10 +39,13 @@ ScaledJacobian scaled_jacobian(const Equations& equations) {
   return scaled;
 }
 
-RowChoice choose_rows(const Equations& equations, int most) {
+RowChoice choose_rows(const Equations& equations, int most, RowsOnceClear* before) {
   const Constraints& constraints = equations.constraints();
   const SparseMatrix matrix = scaled_jacobian(equations).matrix;
-  if (most >= matrix.rows() && ClearRows(matrix).are_independent()) {
+  const auto are_clear = [&] {
+    return before != nullptr ? before->are_independent(matrix) : ClearRows(matrix).are_independent();
+  };
+  if (most >= matrix.rows() && are_clear()) {
     return {static_cast<int>(matrix.rows()), std::vector<bool>(matrix.rows(), true)};
   }
   std::vector<bool> holds_positions;
@@ -192,10 +194,10 @@ MachineRank decide_for_the_machine(Equations& equations, const State& start) {
 }
 
 /// Rows that depend on each other in this pose alone need not agree in what they ask of accelerations.
-const Solution& solve_with_independent_rows(Dynamics& dynamics, const MachineRank& machine) {
+const Solution& solve_with_independent_rows(Dynamics& dynamics, const MachineRank& machine, RowsOnceClear* before) {
   const Equations& equations = dynamics.equations();
   if (may_lose_rank(equations.model())) {
-    const RowChoice choice = choose_rows(equations);
+    const RowChoice choice = choose_rows(equations, INT_MAX, before);
     if (choice.rank < machine.generic) refuse_singular(equations, choice.rank, machine.generic);
     dynamics.use_rows(choice.independent);
   }

@@ -5,6 +5,7 @@
 
 #include "cartesian/dynamics/dynamics.h"
 #include "cartesian/dynamics/equations.h"
+#include "cartesian/rank/clear_rows.h"
 #include "cartesian/rank/closing.h"
 #include "cartesian/rank/rank.h"
 #include "common/results.h"
@@ -27,8 +28,8 @@ struct RowChoice {
   std::vector<bool> independent;  // by row
 };
 /// `most`: of a pose that is not closed, where rows that depend on each other on the motion do not quite do so; at most
-/// so many rows, those that are most independent.
-RowChoice choose_rows(const Equations& equations, int most = INT_MAX);
+/// so many rows, those that are most independent. `before`: what is known of poses of the same machine.
+RowChoice choose_rows(const Equations& equations, int most = INT_MAX, RowsOnceClear* before = nullptr);
 
 /// Columns over [v / length_scale; omega; adot] of all moving bodies (n_Y rows) that span what the rows permit at the
 /// last update of `equations`, drivers at rest; orthonormal with modal coordinates in their units (C52).
@@ -48,8 +49,10 @@ struct MachineRank {
 /// which no body turns far, and that are not nearly singular themselves where there are others.
 MachineRank decide_for_the_machine(Equations& equations, const State& start);
 
-/// Takes rows that are independent at the last update, whatever was in use before, and solves with them. Throws
+/// Takes rows that are independent at the last update, whatever was in use before, and solves with them. `before`: what
+/// is known of poses of the same machine. Throws
 /// SingularPose where the rank is below the machine's, or where rows that depend on others contradict them.
-const Solution& solve_with_independent_rows(Dynamics& dynamics, const MachineRank& machine);
+const Solution& solve_with_independent_rows(Dynamics& dynamics, const MachineRank& machine,
+                                            RowsOnceClear* before = nullptr);
 
 }  // namespace concord::cartesian

@@ -72,6 +72,23 @@ TEST(Rank, RowsThatHardlyDifferAreNotClear) {
   EXPECT_FALSE(is_clear(spoilt));
 }
 
+/// On the way of a row into another one: never where a singular value is small, and mostly without a factorization.
+TEST(Rank, RowsBesideClearOnesAreClear) {
+  testing::Numbers numbers(75);
+  const MatX matrix = numbers.matrix(20, 40).rowwise().normalized();
+  RowsOnceClear rows;
+  int clear = 0;
+  for (int step = 0; step <= 1000; ++step) {
+    MatX here = matrix;
+    here.row(7) = (matrix.row(3) + (1.0 - 1e-3 * step) * matrix.row(7)).normalized();
+    if (!rows.are_independent(sparse(here))) continue;
+    ++clear;
+    EXPECT_GT(singular_values(here).minCoeff(), 0.7e-4);
+  }
+  EXPECT_GT(clear, 990);
+  EXPECT_LT(clear, 1001);
+}
+
 /// Two rows that differ by a part of 1e-7, 3e-10 or 1e-14: kept, in doubt, dropped.
 TEST(Rank, SmallSingularValuesAreFoundExactly) {
   testing::Numbers numbers(72);
