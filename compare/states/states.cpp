@@ -16,8 +16,10 @@ namespace {
 
 constexpr int kTries = 30;
 constexpr int kTriesAlong = 12;
-/// Each try starts nearer to the run's state than the one before.
+/// Each try starts nearer to the run's state than the one before, and the first a little farther than the one that
+/// found the last state.
 constexpr double kShrink = 0.8;
+constexpr double kGrow = 1.05;
 /// At least one of so many perturbed states must be found.
 constexpr int kFewestOf = 5;
 /// Deflection [of the machine's length] to shake a mode with that the run never moves.
@@ -183,12 +185,16 @@ bool accepts(Solver& solver, const State& state) { return evaluation_unless_refu
 
 namespace {
 
-/// A neighbour of `base`, closed by `solver`, that its own evaluation accepts.
-std::optional<State> neighbour(const Model& model, Solver& solver, StatePerturbation& perturbation, const State& base) {
-  double amplitude = 1.0;
+/// A neighbour of `base`, closed by `solver`, that its own evaluation accepts. `farthest`: the amplitude to begin with,
+/// set for the next.
+std::optional<State> neighbour(const Model& model, Solver& solver, StatePerturbation& perturbation, const State& base,
+                               double& farthest) {
+  double amplitude = farthest;
   for (int attempt = 0; attempt < kTries; ++attempt, amplitude *= kShrink) {
     std::optional<State> closed = solver.close(perturbation.perturb(base, amplitude));
-    if (closed && accepts(solver, *closed)) return closed;
+    if (!closed || !accepts(solver, *closed)) continue;
+    farthest = std::min(1.0, kGrow * amplitude);
+    return closed;
   }
   amplitude = 1.0;
   for (int attempt = 0; attempt < kTriesAlong; ++attempt, amplitude *= 0.5) {
@@ -203,9 +209,9 @@ std::optional<State> neighbour(const Model& model, Solver& solver, StatePerturba
 
 /// The same by the solver whose turn it is, or by the other one where it finds none.
 std::optional<OwnedState> neighbour_by_either(const Model& model, const std::array<Solver*, 2>& solvers, Who first,
-                                              StatePerturbation& perturbation, const State& base) {
+                                              StatePerturbation& perturbation, const State& base, double& farthest) {
   for (const Who who : {first, first == Who::cartesian ? Who::relative : Who::cartesian}) {
-    if (auto state = neighbour(model, *solvers[index(who)], perturbation, base))
+    if (auto state = neighbour(model, *solvers[index(who)], perturbation, base, farthest))
       return OwnedState{std::move(*state), who};
   }
   return std::nullopt;
@@ -218,12 +224,13 @@ SharedStates share_random(const Model& model, const std::array<Solver*, 2>& solv
   SharedStates shared;
   if (run.empty()) return shared;
   StatePerturbation perturbation(model, run, seed);
+  double farthest = 1.0;
   for (int k = 0; k < count; ++k) {
     const auto owner = static_cast<Who>(k % 2);
     const State& base = run[static_cast<std::size_t>(k) * run.size() / static_cast<std::size_t>(count)].state;
     SharedStates drawn;
     for (int draw = 0; draw <= kRedraws && drawn.states.empty(); ++draw) {
-      std::optional<OwnedState> owned = neighbour_by_either(model, solvers, owner, perturbation, base);
+      std::optional<OwnedState> owned = neighbour_by_either(model, solvers, owner, perturbation, base, farthest);
       if (!owned) break;
       share_one(solvers, *owned, drawn);
       if (drawn.states.empty()) ++shared.drawn_anew;

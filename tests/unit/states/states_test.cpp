@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/unit/fake_pendulum.h"
 
 namespace concord::compare {
@@ -105,6 +107,28 @@ TEST_F(StatesTest, RandomStatesAreClosedInTurnAndEvaluatedByBoth) {
     EXPECT_EQ(shared.evaluations[0].joints.size(), 1U);
     EXPECT_EQ(shared.evaluations[1].joints.size(), 1U);
   }
+}
+
+/// Where the machine bears small displacements alone, each search goes on from what the last one found.
+TEST_F(StatesTest, ANeighbourIsSoughtFromALittleFartherThanTheLastWasFound) {
+  constexpr double kBears = 0.01;  // of the largest displacement of an angular velocity
+  const Trajectory one = run(300);
+  double turning = 0.0;
+  for (const Sample& sample : one.samples) turning = std::max(turning, sample.state.bodies[1].omega.norm());
+  int refused = 0;
+  const auto bears_little = [&](const State& state, Evaluation&) {
+    for (const Sample& sample : one.samples) {
+      if (sample.state.t != state.t) continue;
+      if ((sample.state.bodies[1].omega - state.bodies[1].omega).norm() <= kBears * turning) return;
+    }
+    ++refused;
+    throw SolverError("too far");
+  };
+  cartesian_.spoil = relative_.spoil = bears_little;
+  const SharedStates random = share_random(model_, solvers_, run_states({&one, &one}), kSeed);
+  EXPECT_EQ(random.states.size(), static_cast<std::size_t>(kRandomStates));
+  EXPECT_GT(refused, 0);
+  EXPECT_LT(refused, kRandomStates) << "one shrink serves more than one state";
 }
 
 /// The other solver closes in its turn, and what it closed is refused: a difference.
