@@ -7,6 +7,7 @@
 
 #include "common/decompositions.h"
 #include "common/error.h"
+#include "relative/rank/loop_rows.h"
 #include "relative/rank/row_rank.h"
 
 namespace concord::relative {
@@ -60,6 +61,28 @@ Step find_step(const ScaledClosure& scaled, const Closure& closure, const std::v
       undamped_step(Phi, factors, misfit_in_units, damping, rank.value_or(factors.n_rows()));
   step.is_whole = undamped && factors.rank() == factors.n_rows();
   step.u(columns) = undamped ? *undamped : filtered_step(Phi, misfit_in_units, damping, rank);
+  return step;
+}
+
+/// The same loop by loop (R81), for which the rows over these columns are factorized where the machine stands.
+std::optional<VecX> step_by_loops(LoopRows& loops, const Closure& closure, std::size_t columns, const VecX& misfit,
+                                  double damping, std::optional<int> rank) {
+  if (misfit.size() < closure.n_rows() || rank.value_or(closure.n_rows()) < closure.n_rows()) return std::nullopt;
+  const double least = std::max(kFarFromDependent, kBeyondDamping * damping);
+  if (!loops.factor(VecX::Ones(static_cast<Eigen::Index>(columns))) || loops.singular_value() <= least) {
+    return std::nullopt;
+  }
+  return loops.smallest_step(misfit.cwiseQuotient(closure.row_units()));
+}
+
+/// find_step(), by loops where these serve.
+Step step_of_closing(LoopRows& loops, const ScaledClosure& scaled, const Closure& closure,
+                     const std::vector<int>& columns, const VecX& misfit, double damping,
+                     std::optional<int> rank = {}) {
+  const std::optional<VecX> by_loops = step_by_loops(loops, closure, columns.size(), misfit, damping, rank);
+  if (!by_loops) return find_step(scaled, closure, columns, misfit, damping, rank);
+  Step step{VecX::Zero(scaled.equations().topology().n_tree_u), true};
+  step.u(columns) = *by_loops;
   return step;
 }
 
@@ -171,11 +194,12 @@ bool close_positions(const ScaledClosure& scaled, Coordinates& coordinates, cons
   Closure closure(scaled.equations().kinematics(), prescribed);
   if (closure.n_position_rows() == 0) return true;
   const std::vector<int> columns = scaled.moving_columns(prescribed, modes);
+  LoopRows loops(scaled, closure, columns);
   double residual = measure(scaled, coordinates, closure);
   Pace pace;
   for (int iteration = 0; iteration < kMostIterations && residual > 0.0 && !pace.stalls(residual); ++iteration) {
     const VecX misfit = closure.position_residual();
-    Step step = find_step(scaled, closure, columns, misfit, std::min(1e-3, residual), rank);
+    Step step = step_of_closing(loops, scaled, closure, columns, misfit, std::min(1e-3, residual), rank);
     const double longest = std::min(1.0, kFarthestStep / std::max(largest_entry(step.u), 1e-300));
     step.u = step.u.cwiseProduct(scaled.size().speeds().head(step.u.size()));
     const PartedStep parted(scaled, coordinates, closure, std::move(step));
@@ -202,12 +226,13 @@ bool close_velocities(const ScaledClosure& scaled, Coordinates& coordinates, con
   Closure closure(scaled.equations().kinematics(), prescribed);
   if (closure.n_rows() == 0) return true;
   const std::vector<int> columns = scaled.moving_columns(prescribed, modes);
+  LoopRows loops(scaled, closure, columns);
   const double rate = scaled.size().rate_at(coordinates.u);
   double residual = 0.0;
   for (int iteration = 0; iteration < 4; ++iteration) {
     measure(scaled, coordinates, closure);
     residual = largest_entry(closure.velocity_residual().cwiseQuotient(closure.row_units()));
-    const VecX step = smallest_step(scaled, closure, columns, closure.velocity_residual(), 0.0);
+    const VecX step = step_of_closing(loops, scaled, closure, columns, closure.velocity_residual(), 0.0).u;
     coordinates.u.head(step.size()) += step.cwiseProduct(scaled.size().speeds().head(step.size()));
   }
   measure(scaled, coordinates, closure);

@@ -16,8 +16,10 @@ constexpr double kClearlyIndependent = 1e-6;
 
 }  // namespace
 
-LoopRows::LoopRows(const ScaledClosure& scaled)
+LoopRows::LoopRows(const ScaledClosure& scaled, const Closure& closure, std::vector<int> columns)
     : scaled_(&scaled),
+      closure_(&closure),
+      columns_(std::move(columns)),
       loops_(lay_out_loops()),
       squares_(order_of_loops()),
       cholesky_(squares_),
@@ -33,8 +35,8 @@ LoopRows::LoopRows(const ScaledClosure& scaled)
 std::vector<LoopRows::Loop> LoopRows::lay_out_loops() const {
   const Topology& topology = scaled_->equations().topology();
   std::vector<Loop> loops;
-  for (const CutIndex c : upward<CutIndex>(scaled_->closure().cuts().size())) {
-    const Closure::Cut& cut = scaled_->closure().cuts()[c];
+  for (const CutIndex c : upward<CutIndex>(closure_->cuts().size())) {
+    const Closure::Cut& cut = closure_->cuts()[c];
     if (cut.measure.n_rows() == 0) continue;
     const Joint& joint = scaled_->equations().model().joints[cut.joint];
     std::vector<std::vector<LinkIndex>> ways;
@@ -69,7 +71,7 @@ EliminationOrder LoopRows::order_of_loops() const {
   std::vector<std::vector<int>> loops_on(scaled_->equations().topology().n_tree_u);
   for (const Loop& loop : loops_) {
     for (const Columns& columns : loop.columns) loops_on[columns.first_u].push_back(static_cast<int>(groups.size()));
-    const Closure::Cut& cut = scaled_->closure().cuts()[loop.cut];
+    const Closure::Cut& cut = closure_->cuts()[loop.cut];
     groups.push_back({cut.first_row.value(), cut.measure.n_rows()});
   }
   return {std::move(groups), neighbours_of(loops_on, loops_.size())};
@@ -127,7 +129,7 @@ void LoopRows::carry(BodyIndex body, MatX rows_on_body, Loop& loop) const {
 
 /// Phi_u of one loop (R46), in units.
 void LoopRows::compute(Loop& loop) const {
-  const Closure::Cut& cut = scaled_->closure().cuts()[loop.cut];
+  const Closure::Cut& cut = closure_->cuts()[loop.cut];
   const int n = cut.measure.n_rows();
   const Kinematics& kinematics = scaled_->equations().kinematics();
   const JointPoint& parent = kinematics.point(cut.joint, Side::parent);
@@ -139,7 +141,7 @@ void LoopRows::compute(Loop& loop) const {
   for (Columns& columns : loop.columns) columns.rows.setZero();
   carry(BodyIndex(joint.on(Side::child).body), rows_on_body(child, on_child), loop);
   carry(BodyIndex(joint.on(Side::parent).body), rows_on_body(parent, on_parent), loop);
-  const auto units = scaled_->closure().row_units().segment(cut.first_row, n);
+  const auto units = closure_->row_units().segment(cut.first_row, n);
   for (Columns& columns : loop.columns) {
     columns.rows.array().colwise() /= units.array();
     columns.rows.array().rowwise() *= column_sizes_.segment(columns.first_u, columns.rows.cols()).transpose().array();
@@ -157,10 +159,9 @@ void LoopRows::sum_squares() {
 }
 
 bool LoopRows::factor(const VecX& weights) {
-  if (scaled_->closure().speed_constraints().size() > 0 || loops_.empty()) return false;
-  const std::vector<int>& columns = scaled_->free_columns();
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    column_sizes_(columns[c]) = weights(static_cast<Eigen::Index>(c)) * scaled_->size().speeds()(columns[c]);
+  if (closure_->speed_constraints().size() > 0 || loops_.empty()) return false;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    column_sizes_(columns_[c]) = weights(static_cast<Eigen::Index>(c)) * scaled_->size().speeds()(columns_[c]);
   }
   for (Loop& loop : loops_) compute(loop);
   sum_squares();
@@ -197,13 +198,13 @@ VecX LoopRows::smallest_step(const VecX& misfit) const {  // (R81)
   solve_squares(y);
   VecX along = VecX::Zero(column_sizes_.size());
   for (const Loop& loop : loops_) {
-    const Closure::Cut& cut = scaled_->closure().cuts()[loop.cut];
+    const Closure::Cut& cut = closure_->cuts()[loop.cut];
     const auto of_loop = y.segment(cut.first_row, cut.measure.n_rows());
     for (const Columns& columns : loop.columns) {
       along.segment(columns.first_u, columns.rows.cols()).noalias() += columns.rows.transpose().lazyProduct(of_loop);
     }
   }
-  return along(scaled_->free_columns());
+  return along(columns_);
 }
 
 }  // namespace concord::relative

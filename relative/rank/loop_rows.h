@@ -9,21 +9,23 @@
 /// Closure rows without their zeros: a loop touches only what stands between its bodies.
 namespace concord::relative {
 
-/// The closure rows of a machine whose rows all belong to cut joints, over the free columns and in the units of the
-/// machine, each multiplied by a weight of its column; and the factor of Phi Phi^T (R81). It serves where the rows are
-/// clearly independent; RowRank judges where they are not.
+/// The closure rows of a machine whose rows all belong to cut joints, over the free columns, or given ones, and in the
+/// units of the machine, each multiplied by a weight of its column; and the factor of Phi Phi^T (R81). It serves where
+/// the rows are clearly independent; RowRank judges where they are not.
 class LoopRows {
  public:
   /// The closure must outlive this object.
-  explicit LoopRows(const ScaledClosure& scaled);
+  explicit LoopRows(const ScaledClosure& scaled) : LoopRows(scaled, scaled.closure(), scaled.free_columns()) {}
+  /// Of a closure with other prescribed coordinates, which must outlive this object too, over these columns.
+  LoopRows(const ScaledClosure& scaled, const Closure& closure, std::vector<int> columns);
   LoopRows(const LoopRows&) = delete;
   LoopRows& operator=(const LoopRows&) = delete;
 
-  /// Factors the rows in the pose of the closure, for weights of the free columns. False where they are not clearly
+  /// Factors the rows in the pose of the closure, for weights of the columns. False where they are not clearly
   /// independent, or where there are rows of other kinds.
   [[nodiscard]] bool factor(const VecX& weights);
 
-  /// The smallest step x (one number per free column) with Phi x = -misfit (one number per row).
+  /// The smallest step x (one number per column) with Phi x = -misfit (one number per row).
   [[nodiscard]] VecX smallest_step(const VecX& misfit) const;
 
   /// Size of the smallest singular value, by inverse iteration as RowRank has it (R70).
@@ -56,6 +58,8 @@ class LoopRows {
   void solve_squares(VecX& right) const;
 
   const ScaledClosure* scaled_;
+  const Closure* closure_;
+  std::vector<int> columns_;
   std::vector<Loop> loops_;
   LambdaBlocks squares_;  // Phi Phi^T
   BlockCholesky cholesky_;
