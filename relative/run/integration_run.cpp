@@ -29,7 +29,10 @@ IntegrationRun::IntegrationRun(Equations& equations, Assembly& assembly, const C
       has_work_(equations.has_drivers() || equations.has_applied_forces() || equations.model().is_flexible()),
       rtol_(integrator == "adams" ? std::max(kStepShare * options.rtol, kFinestStep) : options.rtol),
       sizes_(sizes_of(variables_, equations, start)),
+      reached_(VecX::Zero(variables_.size())),
+      weights_(VecX::Zero(variables_.size())),
       watch_(equations, assembly),
+      drift_(variables_.size()),
       lines_("relative", equations.size().length()),
       evaluation_limit_({.solver = "relative",
                          .integrator = integrator,
@@ -38,6 +41,8 @@ IntegrationRun::IntegrationRun(Equations& equations, Assembly& assembly, const C
                          .foresees_end = options.foresees_end}),
       clock_(equations.model(), variables_.size()) {
   column_ = VecX::Zero(variables_.size());
+  variables_.pack(start.q, start.u, reached_);
+  drift_.stand_at(reached_);
   watch_.pass(start);
   follow_elements();
 }
@@ -117,6 +122,7 @@ bool IntegrationRun::count_turns(const Eigen::Ref<VecX>& y) {
   const VecX more = equations_->kinematics().whole_turns(coordinates_.q, kMany);
   if (more.isZero(0.0)) return false;
   variables_.take_off(more, y);
+  drift_.stand_at(y);
   watch_.count_turns(more);
   equations_->count_turns(equations_->kinematics().turns() + more);
   return true;
@@ -127,14 +133,35 @@ void IntegrationRun::project(double t, Eigen::Ref<VecX> y) {
   coordinates_.t = t;
   evaluation_limit_.require(t, evaluations_, [&] { return place_of_cost(*equations_, coordinates_); });
   largest_work_ = std::max(largest_work_, std::abs(y(variables_.work())));
+  reached_ = y;
   assembly_->project(coordinates_);
   variables_.pack(coordinates_.q, coordinates_.u, y);
+  require_no_contradiction(t, y);
   watch_.pass(coordinates_);
   equations_->loops().keep_rows();
   follow_elements();
   clock_.pass(t, y, [this](double at, const Eigen::Ref<const VecX>& numbers, const Eigen::Ref<VecX>& rates) {
     evaluate(at, numbers, rates);
   });
+}
+
+/// Refuses accelerations that lead off the constraints, and names what they leave most.
+void IntegrationRun::require_no_contradiction(double t, const Eigen::Ref<const VecX>& projected) {
+  const Closure& closure = equations_->closure();
+  if (closure.n_rows() == 0) return;
+  weigh(reached_, weights_);
+  if (drift_.pass(reached_, projected, weights_)) return;
+  variables_.unpack(reached_, coordinates_);
+  equations_->move(t, coordinates_.q, coordinates_.u);
+  const VecX positions = closure.position_residual().cwiseQuotient(closure.row_units().head(closure.n_position_rows()));
+  const VecX speeds =
+      closure.velocity_residual().cwiseQuotient(closure.row_units()) / equations_->size().rate_at(coordinates_.u);
+  const bool by_place = largest_entry(positions) > largest_entry(speeds);
+  throw SolverError(fmt::format(
+      "the accelerations contradict the constraints, most of all {}: the projection onto these makes up {:.1e} of the "
+      "motion, where a motion that obeys them leaves it errors of integration alone: a fault of the program, or of "
+      "what a joint type or a law says of its own rates",
+      closure.worst_place(by_place ? positions : speeds), drift_.part()));
 }
 
 void IntegrationRun::apply_forces(double t, const Eigen::Ref<const VecX>& y) {

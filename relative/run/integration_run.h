@@ -6,6 +6,7 @@
 #include "common/line_watch.h"
 #include "common/solver.h"
 #include "relative/run/clock_noise.h"
+#include "relative/run/drift_watch.h"
 #include "relative/run/integrated_system.h"
 #include "relative/run/integrated_variables.h"
 #include "relative/run/modal_oscillators.h"
@@ -60,6 +61,7 @@ class IntegrationRun : public IntegratedSystem {
 
  private:
   void follow_elements();
+  void require_no_contradiction(double t, const Eigen::Ref<const VecX>& projected);
   void differentiate_by(double t, const Eigen::Ref<const VecX>& y, const Eigen::Ref<const VecX>& ydot, Eigen::Index k,
                         Eigen::Ref<VecX> column);
 
@@ -73,7 +75,10 @@ class IntegrationRun : public IntegratedSystem {
   bool has_work_;
   double rtol_;
   VecX sizes_;
+  VecX reached_;  // by a step, before it was projected
+  VecX weights_;  // of errors there
   SingularityWatch watch_;
+  DriftWatch drift_;
   LineWatch lines_;
   EvaluationLimit evaluation_limit_;
   ClockNoise clock_;
