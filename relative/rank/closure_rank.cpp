@@ -140,9 +140,7 @@ void ClosureRank::throw_singular(const Coordinates& coordinates, const std::stri
       std::min(rows.rank(), rank() - 1), rank(), closure.worst_place(rows.weakest_combination(rank()))));
 }
 
-double ClosureRank::factor_rows(Coordinates& coordinates, MatX& Phi) const {
-  scaled_->move(coordinates);
-  Phi = scaled_->rows(scaled_->free_columns());
+double ClosureRank::singular_value(const MatX& Phi) const {
   const bool is_clear = rank() == scaled_->closure().n_rows() && loop_rows_.factor(VecX::Ones(Phi.cols()));
   return is_clear ? loop_rows_.singular_value() : RowRank(Phi).singular_value(rank());
 }

@@ -31,15 +31,15 @@ class ClosureRank {
   /// ask for other accelerations than those.
   void require_agreeing_rows(const Coordinates& coordinates, const Evaluated& evaluated) const;
 
-  /// Closure rows in machine units over the free columns, and the size of the smallest singular value that a general
-  /// pose has.
-  double factor_rows(Coordinates& coordinates, MatX& Phi) const;
+  /// Size of the smallest singular value that a general pose has, of the closure rows where the machine stands: Phi, in
+  /// machine units over the free columns.
+  [[nodiscard]] double singular_value(const MatX& Phi) const;
 
  private:
   void decide_modes(const Coordinates& closed);
 
   const ScaledClosure* scaled_;
-  mutable LoopRows loop_rows_;  // memory of factor_rows()
+  mutable LoopRows loop_rows_;  // memory of singular_value()
   bool is_decided_ = false;
   Modes closing_modes_ = Modes::kept;
 };

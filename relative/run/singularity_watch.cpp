@@ -32,11 +32,18 @@ SingularityWatch::SingularityWatch(Equations& equations, Assembly& assembly)
   }
 }
 
-SingularityWatch::Record SingularityWatch::record(const Coordinates& coordinates) const {
-  Record found{coordinates, VecX::Zero(equations_->topology().n_q), {}, 1.0};
-  found.sigma = assembly_->closure_rank().factor_rows(found.at, found.Phi);
+SingularityWatch::Record SingularityWatch::rows_at(const Coordinates& coordinates) const {
+  Record found{coordinates, VecX::Zero(equations_->topology().n_q), {}, 0.0};
+  const ScaledClosure& scaled = assembly_->scaled();
+  scaled.move(found.at);
+  found.Phi = scaled.rows(scaled.free_columns());
   equations_->compute_qdot(equations_->motion(), found.qdot);
   return found;
+}
+
+void SingularityWatch::find_singular_value(Record& one) const {
+  assembly_->scaled().move(one.at);
+  one.sigma = assembly_->closure_rank().singular_value(one.Phi);
 }
 
 /// Cubic in each coordinate, closed there (R72).
@@ -75,7 +82,11 @@ bool SingularityWatch::may_pass_zero(const Record& a, const Record& b) const {
 
 SingularityWatch::Record SingularityWatch::probe(const Record& a, const Record& b, double part) const {
   Coordinates coordinates = between(a, b, part);
-  if (assembly_->close_positions_nearby(coordinates)) return record(coordinates);
+  if (assembly_->close_positions_nearby(coordinates)) {
+    Record found = rows_at(coordinates);
+    find_singular_value(found);
+    return found;
+  }
   Record lost;  // a pose that does not close counts as singular
   lost.at = coordinates;
   return lost;
@@ -128,7 +139,9 @@ void SingularityWatch::require_branches(const VecX& before, const VecX& now, dou
 
 void SingularityWatch::count_turns(const VecX& more) {
   const VecX angles = static_cast<double>(kWholeTurn) * more;
-  for (Record& one : last_) one.at.q -= angles;
+  for (std::vector<Record>* records : {&last_, &since_}) {
+    for (Record& one : *records) one.at.q -= angles;
+  }
   if (q_.size() > 0) q_ -= angles;
 }
 
@@ -139,16 +152,42 @@ void SingularityWatch::pass(const Coordinates& coordinates) {
     t_ = coordinates.t;
   }
   if (equations_->closure().n_rows() == 0) return;
-  while (!last_.empty() && last_.back().at.t >= coordinates.t) last_.pop_back();
-  last_.push_back(record(coordinates));
-  if (last_.size() > 3) last_.erase(last_.begin());
-  const double sigma = last_.back().sigma;
-  largest_sigma_ = std::max(largest_sigma_, sigma);
-  if (sigma <= std::min(kBesideSingular, kFallen * largest_sigma_))
-    assembly_->closure_rank().throw_singular(coordinates, "");
+  const auto begin_anew = [&](std::vector<Record>& records) {
+    while (!records.empty() && records.back().at.t >= coordinates.t) records.pop_back();
+  };
+  begin_anew(since_);
+  begin_anew(last_);
+  Record now = rows_at(coordinates);
+  if (is_far_from_singular(now)) {
+    if (since_.size() == 2) since_.erase(since_.begin());
+    since_.push_back(std::move(now));
+    return;
+  }
+  if (!since_.empty()) add(std::move(since_.back()));
+  since_.clear();
+  add(std::move(now));
+  largest_sigma_ = std::max(largest_sigma_, last_.back().sigma);
+  if (last_.back().sigma <= singular()) assembly_->closure_rank().throw_singular(coordinates, "");
   const std::size_t n = last_.size();
   if (n >= 2 && may_pass_zero(last_[n - 2], last_[n - 1])) search(last_[n - 2], last_[n - 1]);
   if (n == 3 && may_pass_zero(last_[0], last_[1])) search(last_[0], last_[1]);
+}
+
+/// Singular values up to this one are.
+double SingularityWatch::singular() const { return std::min(kBesideSingular, kFallen * largest_sigma_); }
+
+/// The smallest singular value is at least what the last one that was found is more than the rows have changed since,
+/// so that no step within half of it can pass zero by (R71).
+bool SingularityWatch::is_far_from_singular(const Record& now) const {
+  if (last_.empty()) return false;
+  const double half = 0.5 * last_.back().sigma;
+  return half > singular() && (now.Phi - last_.back().Phi).norm() < half;
+}
+
+void SingularityWatch::add(Record one) {
+  find_singular_value(one);
+  last_.push_back(std::move(one));
+  if (last_.size() > 3) last_.erase(last_.begin());
 }
 
 }  // namespace concord::relative

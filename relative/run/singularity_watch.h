@@ -12,7 +12,8 @@ namespace concord::relative {
 ///
 /// A singular value of the closure rows changes by no more than the rows do (Weyl). Where they change by more than the
 /// two at the ends of a step, and where the smallest one falls, or has risen, so steeply that it may have been zero, it
-/// is sought between them.
+/// is sought between them. While they have changed by less than half of the smallest one that was found, none is looked
+/// for.
 class SingularityWatch {
  public:
   /// All must outlive this object.
@@ -31,10 +32,14 @@ class SingularityWatch {
     Coordinates at;
     VecX qdot;
     MatX Phi;
-    double sigma = 0.0;  // the smallest singular value that a general pose has
+    double sigma = 0.0;  // the smallest singular value that a general pose has, once it is found
   };
 
-  [[nodiscard]] Record record(const Coordinates& coordinates) const;
+  [[nodiscard]] Record rows_at(const Coordinates& coordinates) const;
+  void find_singular_value(Record& one) const;
+  [[nodiscard]] double singular() const;
+  [[nodiscard]] bool is_far_from_singular(const Record& now) const;
+  void add(Record one);
   [[nodiscard]] Coordinates between(const Record& a, const Record& b, double part) const;
   [[nodiscard]] bool may_pass_zero(const Record& a, const Record& b) const;
   void search(const Record& a, const Record& b) const;
@@ -45,6 +50,7 @@ class SingularityWatch {
   Assembly* assembly_;
   std::vector<JointIndex> links_;  // joints whose link has two names for a pose
   std::vector<Record> last_;       // at most three, in the order of time
+  std::vector<Record> since_;      // at most two later ones, near the last of these: without singular values
   VecX q_;                         // of the last call, at
   double t_ = HUGE_VAL;
   double largest_sigma_ = 0.0;  // so far
