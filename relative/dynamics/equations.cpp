@@ -62,6 +62,8 @@ void Equations::count_turns_as(const Equations& other) {
 
 void Equations::place(double t, const VecX& q, const VecX& u) {
   ++motion_.number_;
+  if (keeps_pose_ && stands_ && t == motion_.t() && q == motion_.q() && u == motion_.u()) return motion_;
+  stands_ = false;
   motion_.at_.t = t;
   motion_.at_.q = q;
   motion_.at_.u = u;
@@ -72,6 +74,7 @@ void Equations::place(double t, const VecX& q, const VecX& u) {
 const Motion& Equations::move(double t, const VecX& q, const VecX& u) {
   place(t, q, u);
   closure_.measure(motion_.at_.q, motion_.at_.u);
+  stands_ = true;
   return motion_;
 }
 

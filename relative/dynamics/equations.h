@@ -42,7 +42,10 @@ class Equations {
   [[nodiscard]] VecX home() const;
 
   /// Counts whole turns apart from the coordinates that all other functions take and give: see Kinematics.
-  void count_turns(const VecX& turns) { kinematics_.count_turns(turns); }
+  void count_turns(const VecX& turns) {
+    kinematics_.count_turns(turns);
+    stands_ = false;
+  }
   /// Counts all turns, those of turn springs too, as another copy of the same machine does.
   void count_turns_as(const Equations& other);
 
@@ -58,6 +61,8 @@ class Equations {
   /// Poses, velocities and closure misfits at time t, q, u (n_q and n_u numbers). Driven entries are replaced by their
   /// laws, those of cut joints by measurement (q gives the guess).
   const Motion& move(double t, const VecX& q, const VecX& u);
+  /// Whether, from now on, that is left out where the machine stands so already: a step of a run asks again and again.
+  void keep_pose(bool keeps) { keeps_pose_ = keeps; }
 
   /// move, and udot from (R32). Throws SolverError if a link has no inertia, the pose is singular or a force
   /// element is not defined in it.
@@ -123,6 +128,8 @@ class Equations {
   std::vector<BodyInertia> inertias_;  // by link
   VecX prescribed_udot_;               // zero where no driver acts
   Motion motion_;
+  bool stands_ = false;  // in that motion
+  bool keeps_pose_ = false;
   Evaluated evaluated_;
 };
 

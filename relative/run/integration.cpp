@@ -30,14 +30,20 @@ std::string chosen_integrator(const Model& model, const std::string& wanted) {
                                                    fmt::join(known, ", ")));
 }
 
-/// Rows stay the same within each step of a run.
-struct RowsOfSteps {
-  Loops& loops;
+/// Rows stay the same within each step of a run, and no pose is taken twice in a row.
+struct KeptInSteps {
+  Equations& equations;
 
-  explicit RowsOfSteps(Equations& equations) : loops(equations.loops()) { loops.keep_rows(); }
-  ~RowsOfSteps() { loops.free_rows(); }
-  RowsOfSteps(const RowsOfSteps&) = delete;
-  RowsOfSteps& operator=(const RowsOfSteps&) = delete;
+  explicit KeptInSteps(Equations& of_run) : equations(of_run) {
+    equations.loops().keep_rows();
+    equations.keep_pose(true);
+  }
+  ~KeptInSteps() {
+    equations.loops().free_rows();
+    equations.keep_pose(false);
+  }
+  KeptInSteps(const KeptInSteps&) = delete;
+  KeptInSteps& operator=(const KeptInSteps&) = delete;
 };
 
 std::unique_ptr<Stepper> make_stepper(const std::string& integrator, IntegrationRun& run, const VecX& y, double until) {
@@ -137,7 +143,7 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
   const auto began = std::chrono::steady_clock::now();
   const std::string integrator = chosen_integrator(equations.model(), options.integrator);
   IntegrationRun run(equations, assembly, start, options, integrator);
-  const RowsOfSteps rows(equations);
+  const KeptInSteps kept(equations);
   Course course(run, equations, start, options, integrator, progress);
   Trajectory trajectory;
   std::optional<GrowthWatch> growth;

@@ -116,6 +116,38 @@ TEST(Equations, CoordinatesFollowSpeedsWithCutJointsAndModes) {
   EXPECT_LT(equations.closure().position_residual().norm(), 1e-10);
 }
 
+/// A pose that is kept is that of the same coordinates, whole turns that are counted apart included.
+TEST(Equations, KeepAPoseAsLongAsItIsTheSame) {
+  Model model = test::spatial_slider_crank(false);
+  model.joints[0].start[0].role_q = StartRole::guess;
+  model.joints[0].start[0].role_u = StartRole::guess;
+  const double q = model.joints[0].start[0].q(0);
+  model.joints[0].drivers.push_back({0, Harmonic{q, 0.3, 4.0, 0.0}});
+  Equations equations(model);
+  const Coordinates start = Assembly(equations).start();
+  const int driven = equations.topology().joints[0].first_q;
+  const auto driven_after = [&](double t, const VecX& speeds) {
+    const Motion& motion = equations.move(t, VecX(equations.motion().q()), speeds);
+    return std::pair(motion.q()(driven), motion.u()(equations.topology().joints[0].first_u));
+  };
+  const auto fresh = [&](double t) {
+    equations.keep_pose(false);
+    const auto found = driven_after(t, start.u);
+    equations.keep_pose(true);
+    return found;
+  };
+  (void)equations.move(0.0, start.q, start.u);
+  EXPECT_EQ(driven_after(0.0, equations.motion().u()), fresh(0.0));
+  const auto later = driven_after(0.02, start.u);
+  EXPECT_NE(later, fresh(0.0));
+  EXPECT_EQ(later, fresh(0.02));
+  VecX turns = equations.kinematics().turns();
+  turns(driven) += 1.0;
+  equations.count_turns(turns);
+  EXPECT_NEAR(driven_after(0.02, equations.motion().u()).first, later.first - 2.0 * EIGEN_PI, 1e-12);
+  equations.keep_pose(false);
+}
+
 /// Wrenches for accelerations of a pose that the machine has left would be those of no pose.
 TEST(Equations, RefuseAccelerationsOfAnotherPose) {
   const Model model = test::spatial_slider_crank(false);
