@@ -169,7 +169,8 @@ double Equations::power(const Evaluated& evaluated) {
   require_current(evaluated);
   double power = applied_.power();
   if (has_drivers()) {
-    const JointReactions& reactions = reactions_.compute(inertias_, accelerations_, applied_, evaluated.loops().lambda);
+    const JointReactions& reactions =
+        reactions_.compute_driver_forces(inertias_, accelerations_, applied_, evaluated.loops().lambda);
     for (const Prescription& driver : drivers_) {
       const VecX& of_driver = reactions.joints[driver.joint].share_of(Actor::driver);
       power += of_driver(driver.u - topology().joints[driver.joint].first_u) * motion_.u()(driver.u);

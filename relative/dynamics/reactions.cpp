@@ -5,7 +5,10 @@
 namespace concord::relative {
 
 Reactions::Reactions(const Kinematics& kinematics, const Closure& closure)
-    : kinematics_(&kinematics), closure_(&closure), tau_of_springs_(VecX::Zero(kinematics.topology().n_u)) {
+    : kinematics_(&kinematics),
+      closure_(&closure),
+      is_driven_(kinematics.model().joints.size(), 0),
+      tau_of_springs_(VecX::Zero(kinematics.topology().n_u)) {
   found_.couplings.assign(kinematics.model().couplings.size(), 0.0);
   found_.coupling_tau.setZero(kinematics.topology().n_u);
   const Model& model = kinematics.model();
@@ -19,6 +22,7 @@ Reactions::Reactions(const Kinematics& kinematics, const Closure& closure)
   for (const JointIndex k : upward<JointIndex>(model.joints.size())) {
     const Joint& joint = model.joints[k];
     JointWrenches wrenches;
+    is_driven_[k.value()] = joint.drivers.empty() ? 0 : 1;
     wrenches.tau.setZero(joint.type->n_u());
     wrenches.shares.fill(wrenches.tau);
     found_.joints.push_back(wrenches);
@@ -39,6 +43,24 @@ Reactions::Reactions(const Kinematics& kinematics, const Closure& closure)
 const JointReactions& Reactions::compute(const std::vector<BodyInertia>& inertias,
                                          const TreeAccelerations& accelerations, const AppliedForces& applied,
                                          const VecX& lambda) {
+  reports_all_ = true;
+  balance(inertias, accelerations, applied, lambda);
+  split_off_coordinate_wrenches(lambda);  // reactions: (R60)
+  return found_;
+}
+
+const JointReactions& Reactions::compute_driver_forces(const std::vector<BodyInertia>& inertias,
+                                                       const TreeAccelerations& accelerations,
+                                                       const AppliedForces& applied, const VecX& lambda) {
+  reports_all_ = false;
+  balance(inertias, accelerations, applied, lambda);
+  for (const ForcedJoint& forced : forced_joints_) set_driver_forces(forced, lambda);
+  return found_;
+}
+
+/// The totals of joints.
+void Reactions::balance(const std::vector<BodyInertia>& inertias, const TreeAccelerations& accelerations,
+                        const AppliedForces& applied, const VecX& lambda) {
   load_inertia(inertias, accelerations);  // Step 1: (R54)
   subtract_applied(applied);              // Step 2: (R55)
   set_spring_forces(applied);
@@ -47,12 +69,11 @@ const JointReactions& Reactions::compute(const std::vector<BodyInertia>& inertia
   apply_cut_wrenches(lambda);  // Step 3: (R56)
   apply_speed_constraint_wrenches(lambda);
   add_spring_wrenches_of_cuts(applied);
-  backward_pass();                        // Steps 4 and 5: (R57), (R58)
-  split_off_coordinate_wrenches(lambda);  // reactions: (R60)
-  return found_;
+  backward_pass();  // Steps 4 and 5: (R57), (R58)
 }
 
 const JointReactions& Reactions::compute_self_stress(const VecX& lambda) {
+  reports_all_ = true;
   clear_loads();
   set_coupling_forces(lambda);
   add_coupling_forces();
@@ -228,6 +249,7 @@ void Reactions::backward_pass() {  // (R57), (R58)
 }
 
 void Reactions::report(JointIndex joint, const Vec6& on_child, const Vec6& on_parent) {
+  if (!reports_all_ && is_driven_[joint.value()] == 0) return;
   JointWrenches& wrenches = found_.joints[joint];
   const auto report_on = [&](Side side, const Vec6& w) {
     SideWrench& total = wrenches.total[index(side)];
@@ -246,35 +268,45 @@ void Reactions::add_to_total(JointIndex joint, const Vec6& on_child, const Vec6&
          so_far.total_on(Side::parent).in_global.vector() + on_parent);
 }
 
+const JointMotion& Reactions::motion_of(const ForcedJoint& forced) const {
+  return forced.cut ? closure_->cuts()[*forced.cut].measure.motion_at() : kinematics_->joint_motion(forced.joint);
+}
+
 /// tau_k of a driven coordinate is S_k^T w_total, all that acts there, without what the nonholonomic constraint pushes;
-/// what of it springs and couplings do not exert is the driver's;
+/// what of it springs and couplings do not exert is the driver's (R59).
+void Reactions::set_driver_forces(const ForcedJoint& forced, const VecX& lambda) {
+  if (forced.driven.empty()) return;
+  const JointMotion& motion = motion_of(forced);
+  const Mat3& A = kinematics_->point(forced.joint, Side::parent).A;
+  JointWrenches& wrenches = found_.joints[forced.joint];
+  const Wrench& total = wrenches.total[index(Side::child)].in_global;
+  Vec6 in_parent_axes;
+  in_parent_axes << A.transpose() * total.force, A.transpose() * total.torque;
+  for (const int c : forced.driven) {
+    const double of_others = wrenches.tau(c);
+    wrenches.tau(c) = motion.S.col(c).dot(in_parent_axes);
+    if (forced.nonholonomic) {
+      const SpeedConstraint& constraint = closure_->speed_constraints()[*forced.nonholonomic];
+      const JointSquare& C = constraint.joints.front().C;
+      wrenches.tau(c) += C.row(c).transpose().dot(lambda.segment(constraint.first_row, constraint.n_rows));
+    }
+    wrenches.shares[index(Actor::driver)](c) = wrenches.tau(c) - of_others;
+  }
+}
+
 /// w_d with S^T w_d = tau is taken off the total on the child at P_i, and the opposite wrench off that on the parent
-/// (R59), (R60).
+/// (R60).
 void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
   for (const ForcedJoint& forced : forced_joints_) {
+    set_driver_forces(forced, lambda);
     const JointIndex k = forced.joint;
-    const JointMotion& motion =
-        forced.cut ? closure_->cuts()[*forced.cut].measure.motion_at() : kinematics_->joint_motion(k);
     const JointPoint& parent = kinematics_->point(k, Side::parent);
     const JointPoint& child = kinematics_->point(k, Side::child);
     JointWrenches& wrenches = found_.joints[k];
-    const Wrench& total = wrenches.total[index(Side::child)].in_global;
-    Vec6 in_parent_axes;
-    in_parent_axes << parent.A.transpose() * total.force, parent.A.transpose() * total.torque;
-    for (const int c : forced.driven) {
-      const double of_others = wrenches.tau(c);
-      wrenches.tau(c) = motion.S.col(c).dot(in_parent_axes);
-      if (forced.nonholonomic) {
-        const SpeedConstraint& constraint = closure_->speed_constraints()[*forced.nonholonomic];
-        const JointSquare& C = constraint.joints.front().C;
-        wrenches.tau(c) += C.row(c).transpose().dot(lambda.segment(constraint.first_row, constraint.n_rows));
-      }
-      wrenches.shares[index(Actor::driver)](c) = wrenches.tau(c) - of_others;
-    }
-    const Vec6 coordinate_C = kinematics_->mobilizer(k).coordinate_wrench(motion, JointVector(wrenches.tau));
+    const Vec6 coordinate_C = kinematics_->mobilizer(k).coordinate_wrench(motion_of(forced), JointVector(wrenches.tau));
     Vec6 coordinate;
     coordinate << parent.A * coordinate_C.head<3>(), parent.A * coordinate_C.tail<3>();
-    const Vec6 on_child = total.vector() - coordinate;
+    const Vec6 on_child = wrenches.total[index(Side::child)].in_global.vector() - coordinate;
     const Vec6 on_parent =
         wrenches.total[index(Side::parent)].in_global.vector() - opposite_wrench_at(coordinate, child.r, parent.r);
     wrenches.reaction[index(Side::child)] = in_both_frames(child.A, on_child);

@@ -30,6 +30,11 @@ class Reactions {
   const JointReactions& compute(const std::vector<BodyInertia>& inertias, const TreeAccelerations& accelerations,
                                 const AppliedForces& applied, const VecX& lambda);
 
+  /// The same of drivers' shares alone, for their power: of no other joint anything is written.
+  const JointReactions& compute_driver_forces(const std::vector<BodyInertia>& inertias,
+                                              const TreeAccelerations& accelerations, const AppliedForces& applied,
+                                              const VecX& lambda);
+
   /// Shares out what springs, dampers and motors of joints exert, of the last compute() with these forces.
   void share_out_springs(const AppliedForces& applied);
 
@@ -57,6 +62,8 @@ class Reactions {
     std::vector<int> driven;
   };
 
+  void balance(const std::vector<BodyInertia>& inertias, const TreeAccelerations& accelerations,
+               const AppliedForces& applied, const VecX& lambda);
   void load_inertia(const std::vector<BodyInertia>& inertias, const TreeAccelerations& accelerations);
   void subtract_applied(const AppliedForces& applied);
   void set_spring_forces(const AppliedForces& applied);
@@ -72,12 +79,16 @@ class Reactions {
   [[gnu::always_inline]] static inline void subtract_from(Load& load, const JointPoint& point, const Vec6& wrench);
   void add_to_total(JointIndex joint, const Vec6& on_child, const Vec6& on_parent);
   void report(JointIndex joint, const Vec6& on_child, const Vec6& on_parent);
+  [[nodiscard]] const JointMotion& motion_of(const ForcedJoint& forced) const;
+  void set_driver_forces(const ForcedJoint& forced, const VecX& lambda);
   void split_off_coordinate_wrenches(const VecX& lambda);
 
   const Kinematics* kinematics_;
   const Closure* closure_;
   std::vector<Load> loads_;
   std::vector<ForcedJoint> forced_joints_;
+  std::vector<char> is_driven_;  // by joint
+  bool reports_all_ = true;      // not those of driven joints alone
   VecX tau_of_springs_;
   JointReactions found_;
 };
