@@ -56,13 +56,12 @@ void Equations::prescribe(double t, const Kinematics& counted, VecX& q, VecX& u)
 }
 
 void Equations::count_turns_as(const Equations& other) {
-  kinematics_.count_turns(other.kinematics_.turns());
+  count_turns(other.kinematics_.turns());
   applied_.count_turns_as(other.applied_);
 }
 
 void Equations::place(double t, const VecX& q, const VecX& u) {
   ++motion_.number_;
-  if (keeps_pose_ && stands_ && t == motion_.t() && q == motion_.q() && u == motion_.u()) return motion_;
   stands_ = false;
   motion_.at_.t = t;
   motion_.at_.q = q;
@@ -72,6 +71,7 @@ void Equations::place(double t, const VecX& q, const VecX& u) {
 }
 
 const Motion& Equations::move(double t, const VecX& q, const VecX& u) {
+  if (keeps_pose_ && stands_ && t == motion_.t() && q == motion_.q() && u == motion_.u()) return motion_;
   place(t, q, u);
   closure_.measure(motion_.at_.q, motion_.at_.u);
   stands_ = true;
