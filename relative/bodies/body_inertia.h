@@ -19,7 +19,9 @@ struct MassMoments {
   void take_rotated(const MassMoments& before, const Mat3& A) {
     mass = before.mass;
     multiply(A, before.h.data(), h.data());
-    rotate_symmetric(A, before.I, I);
+    Mat3 AI;
+    multiply(A, before.I, AI);
+    multiply_transpose(AI, A, I);
   }
 
   /// The block [m 1, -h~; h~, I] of M that belongs to [vdot; omegadot] (R26).

@@ -84,24 +84,6 @@ struct ThreeColumns {
   a.multiply(b[2], b[5], b[8], ABt.data() + 6);
 }
 
-/// A S A^T of a symmetric S, itself symmetric to the last bit; another matrix than either.
-[[gnu::always_inline]] inline void rotate_symmetric(const Mat3& A, const Mat3& S, Mat3& rotated) {
-  Mat3 AS;
-  multiply(A, S, AS);
-  const ThreeColumns as(AS);
-  const double* a = A.data();
-  double* r = rotated.data();
-  const Pair second = as.upper_times(a[1], a[4], a[7]);
-  const Pair third = as.upper_times(a[2], a[5], a[8]);
-  r[0] = as.upper[0][0] * a[0] + as.upper[1][0] * a[3] + as.upper[2][0] * a[6];
-  r[1] = second[0];
-  r[2] = third[0];
-  store_pair(second, r + 3);
-  r[5] = third[1];
-  store_pair(third, r + 6);
-  r[8] = as.last_times(a[2], a[5], a[8]);
-}
-
 /// a x b.
 [[gnu::always_inline]] inline Vec3 cross(const Vec3& a, const Vec3& b) {
   Vec3 result;

@@ -158,11 +158,12 @@ template <int N>
   const Pair yz{y, z};
   const double first = a[21] - (r1[0] * z - r2[0] * y) - (B0[1] * z - b0 * y);
   const Pair C1 = load_pair(a + 27) - (r2 * x - r0 * z) - (Pair{B1[1], b1} * zx - Pair{b1, B1[0]} * yz);
-  const Pair C2 = load_pair(a + 33) - (r0 * y - r1 * x) - (Pair{B2[1], b2} * zx - Pair{b2, B2[0]} * yz);
+  const double c0 = a[33] - (a[31] * z - a[32] * y) - (B0[0] * y - B0[1] * x);
+  const double c1 = a[34] - (a[32] * x - a[30] * z) - (B1[0] * y - B1[1] * x);
   const double last = a[35] - (a[30] * y - a[31] * x) - (B2[0] * y - B2[1] * x);
-  add_three(Pair{first, C1[0]}, C2[0], s + 21);
-  add_three(C1, C2[1], s + 27);
-  add_three(C2, last, s + 33);
+  add_three(Pair{first, C1[0]}, c0, s + 21);
+  add_three(C1, c1, s + 27);
+  add_three(Pair{c0, c1}, last, s + 33);
 }
 
 /// Calls f with the number of free speeds, 1 to 6, as a constant of type std::integral_constant.
