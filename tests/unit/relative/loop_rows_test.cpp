@@ -67,6 +67,25 @@ TEST_P(Rows, OfLoopsTakeTheStepAndHaveTheSingularValueOfDenseRows) {
   }
 }
 
+/// Over the columns of joints alone, as a machine is closed.
+TEST_P(Rows, OfLoopsTakeTheStepOverGivenColumns) {
+  const Model model = machine(GetParam());
+  Equations equations(model);
+  Assembly assembly(equations);
+  Coordinates pose = assembly.start();
+  const ScaledClosure& scaled = assembly.scaled();
+  scaled.move(pose);
+  const std::vector<int> columns = scaled.moving_columns(equations.driven(), Modes::kept);
+  LoopRows rows(scaled, scaled.closure(), columns);
+  ASSERT_TRUE(rows.factor(VecX::Ones(static_cast<Eigen::Index>(columns.size()))));
+  const MatX Phi = scaled.rows(columns);
+  test::Numbers numbers(5);
+  const VecX misfit = numbers.vector(Phi.rows(), 1.0);
+  const VecX found = rows.smallest_step(misfit);
+  ASSERT_EQ(found.size(), Phi.cols());
+  EXPECT_LT((found - RowRank(Phi).smallest_step(misfit)).norm(), 1e-10 * found.norm());
+}
+
 INSTANTIATE_TEST_SUITE_P(Machines, Rows, ::testing::Values("rigid", "flexible", "driven", "ladder", "flying"),
                          [](const auto& tested) { return tested.param; });
 
