@@ -22,15 +22,15 @@ constexpr double kBeyondDamping = 30.0;     // times the damping, which takes a 
 /// Directions in which the rows are dependent are left alone, those with singular values below the damping hardly used,
 /// and those beyond `rank` not (R65).
 VecX filtered_step(const MatX& Phi, const VecX& misfit, double damping, std::optional<int> rank) {
-  const Eigen::JacobiSVD<MatX> svd(Phi, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const VecX& sigma = svd.singularValues();
+  const Svd svd = svd_of(Phi);
+  const VecX& sigma = svd.sigma;
   VecX filter = VecX::Zero(sigma.size());
   const Eigen::Index used = std::min<Eigen::Index>(sigma.size(), rank.value_or(static_cast<int>(sigma.size())));
   for (Eigen::Index i = 0; i < used; ++i) {
     if (sigma(i) > kDependentPart * std::max(sigma(0), 1.0))
       filter(i) = sigma(i) / (sigma(i) * sigma(i) + damping * damping);
   }
-  return -(svd.matrixV() * filter.asDiagonal() * svd.matrixU().transpose() * misfit);
+  return -(svd.V.leftCols(sigma.size()) * filter.cwiseProduct(VecX(svd.U.leftCols(sigma.size()).transpose() * misfit)));
 }
 
 /// The same without singular values (R66), if all rows that are independent are far from dependent, and from the
