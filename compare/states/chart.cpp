@@ -148,15 +148,20 @@ VecX Chart::coordinates(const State& state) const {
   return V_.transpose() * scaled.cwiseProduct(weights_);
 }
 
-std::optional<State> Chart::exactly_at(const VecX& delta) {
+namespace {
+
+/// The state that `close` gives near coordinates, with exactly the wanted ones; nothing if it is not found. `size`: of
+/// the coordinates' round-off.
+template <class Close, class CoordinatesOf>
+std::optional<State> closed_exactly(const VecX& wanted, double size, const Close& close,
+                                    const CoordinatesOf& coordinates_of) {
   constexpr int kCorrections = 30;
-  const double size = std::max(size_of_places(origin_, length_) / length_, delta.norm());
-  VecX aim = delta;
+  VecX aim = wanted;
   double last_miss = std::numeric_limits<double>::infinity();
   for (int k = 0; k < kCorrections; ++k) {
-    auto state = at(aim, VecX::Zero(n()));
+    std::optional<State> state = close(aim);
     if (!state) return std::nullopt;
-    const VecX miss = delta - coordinates(*state);
+    const VecX miss = wanted - coordinates_of(*state);
     if (miss.norm() <= 1e-14 * size || (miss.norm() <= 1e-12 * size && miss.norm() >= 0.5 * last_miss)) return state;
     if (!(miss.norm() < last_miss)) return std::nullopt;
     last_miss = miss.norm();
@@ -165,10 +170,21 @@ std::optional<State> Chart::exactly_at(const VecX& delta) {
   return std::nullopt;
 }
 
+}  // namespace
+
+std::optional<State> Chart::exactly_at(const VecX& delta) {
+  return closed_exactly(
+      delta, std::max(size_of_places(origin_, length_) / length_, delta.norm()),
+      [&](const VecX& aim) { return at(aim, VecX::Zero(n())); },
+      [&](const State& state) { return coordinates(state); });
+}
+
 std::optional<State> Chart::with_modes_at(const VecX& delta) {
   constexpr int kCorrections = 10;
   constexpr double kRoundOff = 1e-14;
-  std::optional<State> moved = exactly_at(delta);
+  std::optional<State> moved = closed_exactly(
+      delta, std::max(size_of_places(origin_, length_) / length_, delta.norm()),
+      [&](const VecX& aim) { return place_at(aim); }, [&](const State& state) { return coordinates(state); });
   if (n_modal_ == 0) return moved;
   const State changes = origin_moving(delta);
   for (int k = 0; moved && k < kCorrections; ++k) {
