@@ -91,8 +91,6 @@ class Equations {
   [[nodiscard]] bool has_applied_forces() const { return applied_.any(); }
   [[nodiscard]] bool has_drivers() const { return !drivers_.empty(); }
 
-  /// In how many poses the machine has stood so far.
-  [[nodiscard]] long n_poses() const { return motion_.number_; }
   /// The pose in which the machine stands.
   [[nodiscard]] const Motion& motion() const { return motion_; }
   [[nodiscard]] const AppliedForces& applied_forces() const { return applied_; }

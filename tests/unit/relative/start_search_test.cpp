@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "common/reading/model_file.h"
-#include "relative/rank/closing.h"
 #include "relative/solver.h"
 
 namespace concord::relative {
@@ -112,39 +111,6 @@ TEST(StartSearch, StillRefusesWhatContradictsItself) {
       "the guesses are too far off: the loops do not close with them; where the other joints are closed, joint 'C', "
       "at which the loop is cut, is left open by 1.2 m along x of its frame on the parent (in the world along (1, 0, "
       "0))");
-}
-
-/// Poses that closing takes from the start that the model says, with the crank kept.
-long poses_of_closing(const Model& model, bool& closed) {
-  Equations equations(model);
-  const ScaledClosure scaled(equations);
-  PrescribedMask crank_alone = equations.driven();
-  crank_alone[equations.topology().joints[0].first_u] = 1;
-  Coordinates at{0.0, equations.home(), VecX::Zero(equations.topology().n_u)};
-  const double guesses[] = {kCrankAngle, -1.5, 0.4, 1.02};
-  for (const JointIndex k : upward<JointIndex>(model.joints.size())) {
-    at.q(equations.topology().joints[k].first_q) = guesses[k];
-  }
-  const long before = equations.n_poses();
-  closed = close_positions(scaled, at, crank_alone, Modes::kept);
-  return equations.n_poses() - before;
-}
-
-TEST(StartSearch, MovesAMachineThatClosesNoMoreOftenThanNewtonsMethodTakes) {
-  bool closed = false;
-  const long poses = poses_of_closing(kept_at_angle("start.slide_z = { guess = 1.02 }"), closed);
-  EXPECT_TRUE(closed);
-  EXPECT_LE(poses, 14);
-}
-
-/// The rod is too short: the misfit is stationary where the linkage is stretched towards its slide.
-TEST(StartSearch, GivesUpWhereTheMisfitIsStationary) {
-  Model model = kept_at_angle("");
-  model.joints[2].sides[0].point_L = Vec3(0.2, 0.0, 0.0);
-  bool closed = true;
-  const long poses = poses_of_closing(model, closed);
-  EXPECT_FALSE(closed);
-  EXPECT_LE(poses, 120);
 }
 
 /// A parallelogram written flat: four speeds, and closure rows of lower rank than anywhere else.
