@@ -18,6 +18,7 @@ constexpr int kMostIterations = 60;
 constexpr int kFewRows = 16;
 constexpr double kFarthestStep = 0.5;  // in machine units: half a radian, half the length, unless rows are straight
 constexpr double kFarFromDependent = 1e-4;  // smallest singular value of rows that need no filter
+constexpr double kSquaredDamping = 1e-4;    // damping whose square is far above round-off
 constexpr double kBeyondDamping = 30.0;     // times the damping, which takes a thousandth of the step there
 
 /// To the last digit of each, and fast for few rows.
@@ -38,6 +39,13 @@ VecX filtered_step(const MatX& Phi, const VecX& misfit, double damping, std::opt
       filter(i) = sigma(i) / (sigma(i) * sigma(i) + damping * damping);
   }
   return -(svd.V.leftCols(sigma.size()) * filter.cwiseProduct(VecX(svd.U.leftCols(sigma.size()).transpose() * misfit)));
+}
+
+/// The same where the damping is so large that squares keep enough digits of it: with Phi Phi^T + mu^2 I = L L^T.
+VecX damped_step(const MatX& Phi, const VecX& misfit, double damping) {
+  MatX squares = Phi * Phi.transpose();
+  squares.diagonal().array() += damping * damping;
+  return -(Phi.transpose() * squares.llt().solve(misfit));
 }
 
 /// The same without singular values (R66), if all rows that are independent are far from dependent, and from the
@@ -63,6 +71,11 @@ Step find_step(const ScaledClosure& scaled, const Closure& closure, const std::v
   Step step{VecX::Zero(scaled.equations().topology().n_tree_u)};
   if (Phi.size() == 0) return step;
   const VecX misfit_in_units = misfit.cwiseQuotient(closure.row_units().head(misfit.size()));
+  const bool uses_all = rank.value_or(static_cast<int>(Phi.rows())) >= Phi.rows();
+  if (Phi.rows() > kFewRows && damping >= kSquaredDamping && uses_all) {
+    step.u(columns) = damped_step(Phi, misfit_in_units, damping);
+    return step;
+  }
   const RowRank factors(Phi);
   const std::optional<VecX> undamped =
       undamped_step(Phi, factors, misfit_in_units, damping, rank.value_or(factors.n_rows()));
