@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kClosed = 1e-13;  // in the machine's units and of the row's terms; velocities of the largest
 constexpr int kMaxSteps = 80;
+constexpr double kNearer = 0.98;  // of the residual
+constexpr int kBarrenSteps = 16;  // that have come no nearer: Newton's method goes round a pose that cannot be closed
 
 double size_of(const VecX& residual) { return residual.size() == 0 ? 0.0 : residual.lpNorm<Eigen::Infinity>(); }
 
@@ -55,8 +57,10 @@ void close_positions(Equations& equations, double t, Holding hold, const Rows& r
   VecX best_q = q;
   double best = system.largest_residual();
   double last = HUGE_VAL;
+  int best_step = 0;
   ClosingReach reach;
   for (int step = 0; step < kMaxSteps && goes_on(system.largest_residual(), last, kClosed); ++step) {
+    if (step > best_step + kBarrenSteps) break;
     last = system.largest_residual();
     const VecX move = system.shortest_step(rank);
     if (!move.allFinite()) break;
@@ -68,6 +72,7 @@ void close_positions(Equations& equations, double t, Holding hold, const Rows& r
     system = system_at();
     reach.learn(before, system.residual, part);
     if (system.largest_residual() <= best) {
+      if (system.largest_residual() < kNearer * best) best_step = step;
       best = system.largest_residual();
       best_q = q;
     }
