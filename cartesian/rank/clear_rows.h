@@ -7,7 +7,7 @@
 namespace concord::cartesian {
 
 /// Rows of about unit size that are clearly independent, and the factors J J^T = L D L^T in an order of little fill,
-/// which cost a tenth of a QR factorization of J^T. Squares lose digits where rows hardly differ: such rows are left to
+/// which cost less than a QR factorization of J^T. Squares lose digits where rows hardly differ: such rows are left to
 /// that factorization.
 class ClearRows {
  public:

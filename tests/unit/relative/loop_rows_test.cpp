@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/SVD>
+
 #include "machines.h"
+#include "relative/rank/closing.h"
 #include "relative/rank/row_rank.h"
 #include "relative/start/assembly.h"
 
@@ -88,6 +91,32 @@ TEST_P(Rows, OfLoopsTakeTheStepOverGivenColumns) {
 
 INSTANTIATE_TEST_SUITE_P(Machines, Rows, ::testing::Values("rigid", "flexible", "driven", "ladder", "flying"),
                          [](const auto& tested) { return tested.param; });
+
+/// Of more rows than are decomposed by rotations, dependent ones among them, far from closed.
+TEST(Closing, ADampedStepOfManyRowsIsThatOfSingularValues) {
+  for (const bool is_doubled : {false, true}) {
+    const Model model = test::ladder(is_doubled, 8);
+    Equations equations(model);
+    Assembly assembly(equations);
+    Coordinates pose = assembly.start();
+    const ScaledClosure& scaled = assembly.scaled();
+    scaled.move(pose);
+    const Closure& closure = scaled.closure();
+    const std::vector<int> columns = scaled.moving_columns(equations.driven(), Modes::kept);
+    const MatX Phi = scaled.rows(closure, columns).topRows(closure.n_position_rows());
+    ASSERT_GT(Phi.rows(), 16);
+    test::Numbers numbers(6);
+    const VecX misfit = numbers.vector(Phi.rows(), 1.0);
+    const double damping = 1e-3;
+    const VecX in_units = misfit.cwiseProduct(closure.row_units().head(misfit.size()));
+    const VecX found = smallest_step(scaled, closure, columns, in_units, damping)(columns);
+    const Eigen::JacobiSVD<MatX> svd(Phi, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const VecX& sigma = svd.singularValues();
+    const VecX filter = sigma.array() / (sigma.array().square() + damping * damping);
+    const VecX exact = -(svd.matrixV() * filter.asDiagonal() * svd.matrixU().transpose() * misfit);
+    EXPECT_LT((found - exact).norm(), 1e-7 * exact.norm());
+  }
+}
 
 /// Of a doubled rod, and of hinges with parallel axes: others judge there.
 TEST(LoopRows, RefuseRowsThatAreNotClearlyIndependent) {

@@ -296,11 +296,10 @@ inline Model four_bar(bool folded = false) {
   return model;
 }
 
-/// Four cranks side by side on ground, each tied to the next by a rod: three loops, of which those that share a crank
-/// couple. If so wished, the second and third crank are tied by two rods between the same points: a fourth loop, of
+/// Four or more cranks side by side on ground, each tied to the next by a rod: loops, of which those that share a crank
+/// couple. If so wished, the second and third crank are tied by two rods between the same points: one more loop, of
 /// which a row depends on others.
-inline Model ladder(bool doubled) {
-  constexpr int kCranks = 4;
+inline Model ladder(bool doubled, int cranks = 4) {
   Numbers numbers(83);
   Model model;
   model.name = "ladder";
@@ -312,12 +311,12 @@ inline Model ladder(bool doubled) {
     model.bodies.back().pose_guess = Pose{numbers.vector(0.5), numbers.rotation()};
     return static_cast<int>(model.bodies.size()) - 1;
   };
-  for (int crank = 1; crank <= kCranks; ++crank) {
+  for (int crank = 1; crank <= cranks; ++crank) {
     add_body("crank " + std::to_string(crank));
     model.joints.push_back(fitting_joint(model, "A" + std::to_string(crank), "revolute", 0, crank,
                                          Vec3(0.4 * crank, 0, 0) + numbers.vector(0.1), numbers));
   }
-  for (int crank = 1; crank < kCranks; ++crank) {
+  for (int crank = 1; crank < cranks; ++crank) {
     const Vec3 from = Vec3(0.4 * crank, 0.3, 0) + numbers.vector(0.1);
     const Vec3 to = Vec3(0.4 * crank + 0.4, 0.2, 0.1) + numbers.vector(0.1);
     for (int rod = 0; rod < (doubled && crank == 2 ? 2 : 1); ++rod) {
