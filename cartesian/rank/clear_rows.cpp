@@ -1,5 +1,6 @@
 #include "cartesian/rank/clear_rows.h"
 
+#include <Eigen/SparseCholesky>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -39,23 +40,22 @@ SparseMatrix lower_squares(const SparseMatrix& rows, const SparseMatrix& transpo
 
 }  // namespace
 
-ClearRows::ClearRows(const SparseMatrix& rows) : rows_(rows), transposed_(rows.transpose()) {
+ClearRows::ClearRows(const SparseMatrix& rows) {
   if (rows.rows() == 0 || rows.rows() > rows.cols()) return;
-  factors_.compute(lower_squares(rows, transposed_));
-  if (factors_.info() != Eigen::Success || !(factors_.vectorD().array() > kLeastSquare).all()) return;
+  const Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::AMDOrdering<SparseIndex>> factors(
+      lower_squares(rows, rows.transpose()));
+  if (factors.info() != Eigen::Success || !(factors.vectorD().array() > kLeastSquare).all()) return;
   constexpr int kRounds = 4;
   VecX y = VecX::NullaryExpr(rows.rows(), [](Eigen::Index k) { return k % 3 == 1 ? -1.0 : 1.0; }).normalized();
   double growth = 0.0;
   for (int round = 0; round < kRounds; ++round) {
-    const VecX next = factors_.solve(y);
+    const VecX next = factors.solve(y);
     growth = next.norm();
     y = next / growth;
   }
   smallest_singular_value_ = 1.0 / std::sqrt(growth);
   are_independent_ = smallest_singular_value_ > kLeastSingularValue;
 }
-
-VecX ClearRows::shortest(const VecX& right_side) const { return transposed_ * factors_.solve(right_side); }
 
 bool RowsOnceClear::are_independent(const SparseMatrix& rows) {
   constexpr double kReach = 0.25;

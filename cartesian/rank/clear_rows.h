@@ -1,14 +1,12 @@
 #pragma once
 
-#include <Eigen/SparseCholesky>
-
 #include "cartesian/rank/sparse_qr.h"
 
 namespace concord::cartesian {
 
-/// Rows of about unit size that are clearly independent, and the factors J J^T = L D L^T in an order of little fill,
+/// Whether rows of about unit size are clearly independent, by the factors J J^T = L D L^T in an order of little fill,
 /// which cost less than a QR factorization of J^T. Squares lose digits where rows hardly differ: such rows are left to
-/// that factorization.
+/// that factorization, and so are steps over the rows.
 class ClearRows {
  public:
   explicit ClearRows(const SparseMatrix& rows);
@@ -18,13 +16,8 @@ class ClearRows {
   [[nodiscard]] bool are_independent() const { return are_independent_; }
   /// Estimated, at most a little too large; of rows that are independent.
   [[nodiscard]] double smallest_singular_value() const { return smallest_singular_value_; }
-  /// The shortest x with J x = right side, J^T (J J^T)^-1 right side, where the rows are independent.
-  [[nodiscard]] VecX shortest(const VecX& right_side) const;
 
  private:
-  const SparseMatrix& rows_;
-  SparseMatrix transposed_;
-  Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::AMDOrdering<SparseIndex>> factors_;
   double smallest_singular_value_ = 0.0;
   bool are_independent_ = false;
 };

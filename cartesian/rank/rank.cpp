@@ -5,7 +5,6 @@
 #include <numeric>
 #include <utility>
 
-#include "cartesian/rank/clear_rows.h"
 #include "cartesian/rank/row_selection.h"
 #include "cartesian/rank/sparse_qr.h"
 #include "common/decompositions.h"
@@ -135,8 +134,6 @@ VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side, std::opt
   if (may_be_dense && most_rank && *most_rank < matrix.rows()) {
     return solve_truncated(MatX(matrix), right_side, *most_rank);
   }
-  const ClearRows clear(matrix);
-  if (clear.are_independent()) return clear.shortest(right_side);
   ShortestSolution solution = sparse_shortest(matrix.transpose(), right_side, kDependent);
   const bool has_full_rank = solution.rank == matrix.rows();
   return has_full_rank || !may_be_dense ? std::move(solution.x)

@@ -33,11 +33,11 @@ struct RankDecision {
 /// number.
 RankDecision decide_rank(const SparseMatrix& matrix, const std::vector<bool>* goes_first = nullptr);
 
-/// Shortest x with matrix x = right side, dependent rows left out: by ClearRows, or by a sparse QR; where rows are
-/// dependent, that gives a solution but not the shortest, so up to 500 rows a dense QR with column exchanges does. Rows
-/// should be of about unit size. `most_rank`: that of the matrix where the right side vanishes. Up to 500 rows, what it
-/// has beyond as many pivots is left out, and the rows are obeyed by least squares: it comes from the right side and
-/// would ask for steps as large as this is small.
+/// Shortest x with matrix x = right side, dependent rows left out: by a sparse QR; where rows are dependent, that
+/// gives a solution but not the shortest, so up to 500 rows a dense QR with column exchanges does. Rows should be of
+/// about unit size. `most_rank`: that of the matrix where the right side vanishes. Up to 500 rows, what it has beyond
+/// as many pivots is left out, and the rows are obeyed by least squares: it comes from the right side and would ask for
+/// steps as large as this is small.
 VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side, std::optional<int> most_rank = {});
 
 }  // namespace concord::cartesian

@@ -37,16 +37,6 @@ TEST(Rank, FindsADependentRowBySingularValues) { expect_one_dependent(dependent_
 
 TEST(Rank, FindsADependentRowBySparseQr) { expect_one_dependent(dependent_rows(520, 560)); }
 
-TEST(Rank, ClearRowsGiveTheShortestSolution) {
-  testing::Numbers numbers(73);
-  const MatX matrix = numbers.matrix(40, 70).rowwise().normalized();
-  const SparseMatrix rows = sparse(matrix);
-  const ClearRows clear(rows);
-  ASSERT_TRUE(clear.are_independent());
-  const VecX right_side = numbers.matrix(40, 1);
-  EXPECT_LT((clear.shortest(right_side) - smallest_least_squares(matrix, right_side)).norm(), 1e-13);
-}
-
 /// Two rows that are nearly the same, rows that are nearly dependent only together, more rows than columns, a row of
 /// zeros, and what is no number.
 TEST(Rank, RowsThatHardlyDifferAreNotClear) {
