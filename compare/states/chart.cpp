@@ -328,7 +328,7 @@ std::optional<Derivative> derivative_at_zero(const std::function<std::optional<V
   double finest_step = 0.0;  // what the finest step gave is the next coarse one
   std::optional<VecX> finest;
   for (double h = step; h >= least && worse < kPatience; h *= 0.25) {
-    const auto coarse = h == finest_step ? std::move(finest) : difference(h);
+    const auto coarse = h == finest_step ? finest : difference(h);
     finest_step = 0.0;
     if (!coarse) continue;
     const auto middle = difference(0.5 * h);

@@ -159,7 +159,7 @@ void LoopRows::sum_squares() {
 }
 
 bool LoopRows::factor(const VecX& weights) {
-  if (closure_->speed_constraints().size() > 0 || loops_.empty()) return false;
+  if (!closure_->speed_constraints().empty() || loops_.empty()) return false;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     column_sizes_(columns_[c]) = weights(static_cast<Eigen::Index>(c)) * scaled_->size().speeds()(columns_[c]);
   }

@@ -90,7 +90,7 @@ Coordinates States::measure_joints(const State& state, JointMeasure::Restart res
 Coordinates States::read_beside(const State& state) { return measure_joints(state, JointMeasure::Restart::never); }
 
 Coordinates States::read(const State& state, StateMisfit& misfit) {
-  const Coordinates found = measure_joints(state, JointMeasure::Restart::if_clearly_better);
+  Coordinates found = measure_joints(state, JointMeasure::Restart::if_clearly_better);
   const Model& model = equations_->model();
   misfit = {};
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
