@@ -57,10 +57,11 @@ void close_positions(Equations& equations, double t, Holding hold, const Rows& r
   VecX best_q = q;
   double best = system.largest_residual();
   double last = HUGE_VAL;
-  int best_step = 0;
+  double near = best;
+  int nearer_at = 0;
   ClosingReach reach;
   for (int step = 0; step < kMaxSteps && goes_on(system.largest_residual(), last, kClosed); ++step) {
-    if (step > best_step + kBarrenSteps) break;
+    if (step > nearer_at + kBarrenSteps) break;
     last = system.largest_residual();
     const VecX move = system.shortest_step(rank);
     if (!move.allFinite()) break;
@@ -72,9 +73,12 @@ void close_positions(Equations& equations, double t, Holding hold, const Rows& r
     system = system_at();
     reach.learn(before, system.residual, part);
     if (system.largest_residual() <= best) {
-      if (system.largest_residual() < kNearer * best) best_step = step;
       best = system.largest_residual();
       best_q = q;
+    }
+    if (best < kNearer * near) {
+      near = best;
+      nearer_at = step;
     }
   }
   q = best_q;

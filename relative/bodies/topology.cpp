@@ -148,6 +148,15 @@ void lay_out(const Model& model, Topology& topology) {
   topology.n_u = u;
 }
 
+/// Whether an inertia about the point keeps the digits of that about the mass centre: within a few radii of gyration of
+/// it, or no farther than the origin.
+bool serves_as_reference(const Body& body, const Vec3& point_L) {
+  constexpr double kRadii = 5.0;
+  const double square = (point_L - body.center_of_mass_L).squaredNorm();
+  return body.mass * square <= kRadii * kRadii * 0.5 * body.inertia_L.trace() ||
+         square <= body.center_of_mass_L.squaredNorm();
+}
+
 }  // namespace
 
 Topology build_topology(const Model& model) {
@@ -168,7 +177,8 @@ Topology build_topology(const Model& model) {
   topology.reference_points_L.assign(model.bodies.size(), Vec3::Zero());
   for (const Link& link : topology.links) {
     if (model.bodies[link.body].modal) continue;
-    topology.reference_points_L[link.body] = model.joints[link.joint].on(link.own_side()).point_L;
+    const Vec3& point_L = model.joints[link.joint].on(link.own_side()).point_L;
+    if (serves_as_reference(model.bodies[link.body], point_L)) topology.reference_points_L[link.body] = point_L;
   }
   return topology;
 }

@@ -55,7 +55,7 @@ struct Topology {
   std::vector<Span> joints;                            // of every joint of the model
   std::vector<Span> modes;                             // of every body of the model, ground included
   /// Of every body of the model the point whose motion is that of the body, in its frame [m]: of a rigid body the point
-  /// of its link's joint, whose motion then needs no shift; of ground and of flexible bodies the origin.
+  /// of its link's joint, whose motion then needs no shift, if that is not far from the mass; else the origin.
   std::vector<Vec3> reference_points_L;
   int n_q = 0;
   int n_u = 0;

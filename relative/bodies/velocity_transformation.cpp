@@ -275,8 +275,8 @@ void Kinematics::compute_columns(LinkIndex l, const Vec3& from_child) {
 }
 
 /// The joint contributes the velocity of the child's point seen from the parent's frame, plus or minus by the direction
-/// of the tree; everything is then moved to the origin of the link's body (R20), (R21). Levers are sums of the link's
-/// own lengths, not differences of places, which far from the ground's origin would hold the round-off of these.
+/// of the tree; everything is then moved to the reference point of the link's body (R20), (R21). Levers are sums of the
+/// link's own lengths, not differences of places, which far from the ground's origin would hold the round-off of these.
 void Kinematics::compute_blocks(LinkIndex l, const JointStep& step) {
   const Link& link = topology_.links[l];
   LinkBlocks& blocks = blocks_[l];
@@ -285,7 +285,7 @@ void Kinematics::compute_blocks(LinkIndex l, const JointStep& step) {
   const JointPoint& parent = point(link.joint, Side::parent);
   const JointPoint& own = point(link.joint, link.own_side());
   const JointPoint& reference = point(link.joint, link.reference_side());
-  const Vec3 from_own = -own.lever;  // to the body's origin
+  const Vec3 from_own = -own.lever;  // to the body's reference point
   const Vec3 from_reference = link.along ? Vec3(from_own + step.d) : Vec3(from_own - step.d);
   const Vec3& from_child = link.along ? from_own : from_reference;
   blocks.rho = from_reference + reference.lever;

@@ -37,7 +37,9 @@ ArticulatedInertias::ArticulatedInertias(const Kinematics& kinematics, const Pre
     }
     reference_of_link_.push_back(topology.inward_link(l));
     const int m = topology.modes[topology.links[l].body].n_u;
-    link.only_turns = m == 0 && link.n_free == 1 && kinematics.mobilizer(topology.links[l].joint).only_turn() >= 0;
+    const Link& way = topology.links[l];
+    link.only_turns = link.n_free == 1 && kinematics.mobilizer(way.joint).only_turn() >= 0 &&
+                      kinematics.point(way.joint, way.own_side()).is_reference_point();
     if (m == 0) continue;
     flexible_of_link_[l] = static_cast<int>(flexible_.size());
     const int n = link.n_free + m;

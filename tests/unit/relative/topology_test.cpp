@@ -48,6 +48,17 @@ TEST(Topology, CutsTheNamedJointAndRunsAgainstJointsWhereItMust) {
   EXPECT_TRUE(topology.links[2].along);
 }
 
+TEST(Topology, TellsAMotionAtTheJointOnlyNearTheMass) {
+  Model model = spatial_slider_crank(false);
+  const Link link = build_topology(model).links[0];
+  Vec3& point_L = model.joints[link.joint].sides[static_cast<std::size_t>(link.own_side())].point_L;
+  EXPECT_EQ(build_topology(model).reference_points_L[link.body], point_L);
+  point_L += Vec3(100.0, 0.0, 0.0);
+  EXPECT_EQ(build_topology(model).reference_points_L[link.body], Vec3(Vec3::Zero()));
+  model.bodies[link.body].center_of_mass_L = point_L + Vec3(0.0, 0.1, 0.0);
+  EXPECT_EQ(build_topology(model).reference_points_L[link.body], point_L);
+}
+
 TEST(Topology, LaysOutTreeSpeedsLinkByLinkAndCutJointsLast) {
   const Model model = spatial_slider_crank(true);
   const Topology topology = build_topology(model);
