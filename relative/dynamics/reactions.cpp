@@ -234,7 +234,9 @@ void Reactions::backward_pass() {  // (R57), (R58)
     const JointPoint& reference = kinematics_->point(link.joint, link.reference_side());
     Load& load = loads_[l];
     Vec6 on_body = load.rho;
-    if (!own.is_reference_point()) on_body.tail<3>() -= own.lever.cross(on_body.head<3>());
+    if (!own.is_reference_point()) {
+      on_body.tail<3>() -= own.lever.cross(on_body.head<3>());
+    }
     if (own.n_modes() > 0) load.rho_a.noalias() -= own.Ga().transpose().lazyProduct(on_body);
     const Vec6 on_reference = load.acts_at_one_point ? Vec6(-on_body) : opposite_wrench_at(on_body, own.r, reference.r);
     if (load.reference) subtract_from(loads_[*load.reference], reference, on_reference);
