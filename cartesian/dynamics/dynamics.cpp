@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cartesian/dynamics/state_scales.h"
 #include "common/error.h"
@@ -73,6 +74,10 @@ namespace {
 /// Residuals of equations as parts of their terms: round-off of a solution, and what is good enough between steps.
 constexpr double kRoundOff = 1e-15;
 constexpr double kGoodEnough = 1e-12;
+/// What round-off of a solution may be magnified to, of the solution.
+constexpr double kMagnified = 1e-13;
+/// By how much it may have grown since the elimination was judged.
+constexpr double kWorse = 2.0;
 
 }  // namespace
 
@@ -113,17 +118,28 @@ bool Dynamics::factor_and_solve(Pivots pivots) {
   is_eliminated_ = false;
   matrix_.fill(equations_);
   unknowns_ = right_side_;
-  has_new_rows_ = false;
+  const bool has_pivots = !std::exchange(has_new_rows_, false);
+  if (has_pivots && solve_with_last_pivots()) {
+    if (lu.relative_correction() > kWorse * judged_at_) judge_elimination();
+    return true;
+  }
+  unknowns_ = right_side_;
   if (!lu.factor() || !lu.solve_refined(unknowns_, 0.0)) return false;
   judge_elimination();
   return true;
 }
 
+/// To round-off; false where the last pivots are not as good as new ones.
+bool Dynamics::solve_with_last_pivots() {
+  SparseLu& lu = matrix_.lu();
+  return lu.refactor() && lu.solve_refined(unknowns_, 0.0) && lu.relative_correction() <= kMagnified;
+}
+
 /// In a state that has been solved for to round-off.
 void Dynamics::judge_elimination() {
-  constexpr double kMagnified = 1e-13;
   constexpr double kFarOff = 1e-9;
   SparseLu& lu = matrix_.lu();
+  judged_at_ = std::max(lu.relative_correction(), kRoundOff);
   const bool magnifies = loses_more_than(kMagnified, lu.relative_correction(), lu.first_correction());
   refinement_ = magnifies ? Refinement::exact : Refinement::none;
   eliminates_ = is_eliminated_ = false;

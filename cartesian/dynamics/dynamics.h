@@ -29,7 +29,8 @@ class Solution {
   VecX lambda_;
 };
 
-/// Pivots chosen anew, with a solution refined to round-off, or those of the last factorization.
+/// Pivots chosen anew unless the last ones are as good, with a solution refined to round-off; or those of the last
+/// factorization.
 enum class Pivots { fresh, kept };
 
 /// Solves the equations of motion of the whole machine,
@@ -77,6 +78,7 @@ class Dynamics {  // (C40)
   [[nodiscard]] bool factor_and_solve(Pivots pivots);
   [[nodiscard]] bool solve_by_elimination();
   [[nodiscard]] bool solve_by_whole_matrix();
+  [[nodiscard]] bool solve_with_last_pivots();
   void measure_least_unknowns();
   void judge_elimination();
   [[nodiscard]] bool loses_more_than(double part, double relative_error, const VecX& error) const;
@@ -92,6 +94,7 @@ class Dynamics {  // (C40)
   /// What it takes that round-off, magnified by the condition, does not cost more than evaluations between steps may
   /// lose: a residual in double precision, or as if in twice that.
   enum class Refinement { none, rough, exact } refinement_ = Refinement::none;
+  double judged_at_ = 0.0;  // magnified round-off where the elimination was judged
   VecX gamma_;
   VecX right_side_;
   VecX unknowns_;

@@ -40,6 +40,20 @@ TEST(Dynamics, AccelerationsAndMultipliersSatisfyTheAugmentedEquations) {
   }
 }
 
+/// From the last state's pivots, or by new ones where those are not good.
+TEST(Dynamics, SolvesToRoundOffWhateverStateWasSolvedForBefore) {
+  TwoBodies rig(103, "universal", 2, 0);
+  testing::Numbers numbers(29);
+  for (int k = 0; k < 20; ++k) {
+    const VecX move = (k % 2 == 0 ? 1e-6 : 1.5) * numbers.matrix(static_cast<int>(rig.Y.size()), 1);
+    rig.equations.layout().displace(move, rig.q);
+    Dynamics anew(rig.equations);
+    const VecX expected = anew.solve_at(0.0, rig.q, rig.Y, Pivots::fresh).Ydot();
+    const VecX& found = rig.dynamics.solve_at(0.0, rig.q, rig.Y, Pivots::fresh).Ydot();
+    EXPECT_LT((found - expected).norm(), 1e-14 * expected.norm()) << k;
+  }
+}
+
 TEST(Dynamics, TellASingularMatrixAndItsTime) {
   TwoBodies rig(105, "revolute", 0, 0);
   rig.model.bodies[1].mass = 0.0;
