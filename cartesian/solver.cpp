@@ -108,7 +108,8 @@ class CartesianSolver : public Solver, public OpenEvaluation {
       if (is_turned_beyond(equations_, kQuarterTurn, guess.q)) {
         seek_turns(equations_, guess.t, modes, guess.q, q_, Y_);
       }
-      if (!close_machine(equations_, guess.t, Hold::constraints, modes, q_, Y_, rank).closed) return std::nullopt;
+      if (!close_machine(equations_, guess.t, Hold::constraints, modes, q_, Y_, shortest_, rank).closed)
+        return std::nullopt;
       if (is_turned_beyond(equations_, kHalfTurn, guess.q)) return std::nullopt;
     } catch (const SolverError&) {
       return std::nullopt;  // a deformation out of range on the way
@@ -131,6 +132,7 @@ class CartesianSolver : public Solver, public OpenEvaluation {
   VecX q_;
   VecX Y_;
   std::optional<Prepared> prepared_;
+  ShortestSolver shortest_;
   RowsOnceClear rows_once_clear_;
   bool has_chosen_rows_ = false;
 };

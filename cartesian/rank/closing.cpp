@@ -45,7 +45,7 @@ bool goes_on(double size, double last, double closed) {
 /// Newton's method on positions; the best q that it meets stays.
 template <class Rows>
 void close_positions(Equations& equations, double t, Holding hold, const Rows& rows, Modes modes, VecX& q,
-                     const VecX& Y, Closing& closing, std::optional<int> rank = {}) {
+                     const VecX& Y, ShortestSolver& solver, Closing& closing, std::optional<int> rank = {}) {
   const VecX units = units_of_steps(equations, Kept::coordinates, modes);
   RoundOffShares shares(equations.constraints());
   const auto system_at = [&] {
@@ -63,7 +63,8 @@ void close_positions(Equations& equations, double t, Holding hold, const Rows& r
   for (int step = 0; step < kMaxSteps && goes_on(system.largest_residual(), last, kClosed); ++step) {
     if (step > nearer_at + kBarrenSteps) break;
     last = system.largest_residual();
-    const VecX move = system.shortest_step(rank);
+    write_jacobian(equations, Kept::coordinates, units, system);
+    const VecX move = system.shortest_step(solver, rank);
     if (!move.allFinite()) break;
     const double part = reach.part_of(equations.layout(), move);
     equations.layout().displace(units.cwiseProduct(part * move), q);
@@ -81,15 +82,17 @@ void close_positions(Equations& equations, double t, Holding hold, const Rows& r
       nearer_at = step;
     }
   }
-  q = best_q;
-  system = system_at();
+  if (q != best_q) {
+    q = best_q;
+    system = system_at();
+  }
   closing.position_residual = system.largest_residual();
   closing.closed = closing.position_residual <= kClosed;
   if (!closing.closed) name_open(equations, system.kept, system.residual, closing);
 }
 
 void close_velocities(Equations& equations, double t, Hold hold, Modes modes, const VecX& q, VecX& Y,
-                      Closing& closing) {
+                      ShortestSolver& solver, Closing& closing) {
   constexpr int kMostSteps = 4;
   constexpr double kRoundOff = 1e-16;
   const VecX units = units_of_steps(equations, Kept::speeds, modes);
@@ -103,7 +106,8 @@ void close_velocities(Equations& equations, double t, Hold hold, Modes modes, co
   double last = HUGE_VAL;
   for (int step = 0; step < kMostSteps && system.rate() > kRoundOff * speed() && system.rate() < 0.5 * last; ++step) {
     last = system.rate();
-    Y += units.cwiseProduct(system.shortest_step());
+    write_jacobian(equations, Kept::speeds, units, system);
+    Y += units.cwiseProduct(system.shortest_step(solver));
     system = system_at();
   }
   closing.velocity_residual = system.rate();
@@ -116,17 +120,23 @@ void close_velocities(Equations& equations, double t, Hold hold, Modes modes, co
 bool modes_are_restricted(const Equations& equations) {
   const auto rank = [&](Modes modes) {
     const VecX units = units_of_steps(equations, Kept::speeds, modes);
-    return rank_of_rows(equations, closing_jacobian(equations, Kept::speeds, {}, units));
+    return rank_of_rows(equations, Kept::speeds, {}, units);
   };
   return equations.model().is_flexible() && rank(Modes::moving) > rank(Modes::kept);
 }
 
 Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, VecX& q, VecX& Y,
                       std::optional<int> rank) {
+  ShortestSolver solver;
+  return close_machine(equations, t, hold, modes, q, Y, solver, rank);
+}
+
+Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, VecX& q, VecX& Y, ShortestSolver& solver,
+                      std::optional<int> rank) {
   Closing closing;
   equations.layout().normalize(q);
   const auto rows = [&] { return kept_at(equations, hold, Kept::coordinates); };
-  close_positions(equations, t, {hold}, rows, modes, q, Y, closing, rank);
+  close_positions(equations, t, {hold}, rows, modes, q, Y, solver, closing, rank);
   if (!closing.closed) return closing;
   if (const std::optional<JointIndex> joint = equations.moving_constraints().first_joint_off_branch()) {
     closing.closed = false;
@@ -135,7 +145,7 @@ Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, Ve
     return closing;
   }
   closing.places_closed = true;
-  close_velocities(equations, t, hold, modes, q, Y, closing);
+  close_velocities(equations, t, hold, modes, q, Y, solver, closing);
   return closing;
 }
 
@@ -152,8 +162,9 @@ std::optional<TurnError> largest_turn_error(const Equations& equations, const st
 void seek_turns(Equations& equations, double t, Modes modes, const std::vector<VecX>& known, VecX& q, const VecX& Y) {
   const VecX before = q;
   Closing closing;
+  ShortestSolver solver;
   const auto rows = [&] { return turn_rows(equations, known); };
-  close_positions(equations, t, {Hold::constraints}, rows, modes, q, Y, closing);
+  close_positions(equations, t, {Hold::constraints}, rows, modes, q, Y, solver, closing);
   if (closing.closed) return;
   q = before;
   equations.count_turns_from(known);
@@ -164,9 +175,7 @@ std::vector<StartWord> words_to_keep(Equations& equations, double t, const VecX&
   constexpr int kMostTried = 200;
   equations.update(t, q, Y);
   const VecX units = units_of_steps(equations, Kept::speeds, Modes::kept);
-  const auto rank_with = [&](const std::vector<KeptRow>& kept) {
-    return rank_of_rows(equations, closing_jacobian(equations, what, kept, units));
-  };
+  const auto rank_with = [&](const std::vector<KeptRow>& kept) { return rank_of_rows(equations, what, kept, units); };
   const int constrained = rank_with({});
   const int freedom = static_cast<int>((units.array() > 0.0).count()) - constrained;
   std::vector<StartWord> chosen;
@@ -191,7 +200,7 @@ KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& 
   const VecX units = units_of_steps(equations, Kept::speeds, Modes::kept);
   const auto columns = static_cast<int>((units.array() > 0.0).count());
   const auto rank_with = [&](Kept what, const std::vector<KeptRow>& kept) {
-    return rank_of_rows(equations, closing_jacobian(equations, what, kept, units), coarse);
+    return rank_of_rows(equations, what, kept, units, coarse);
   };
   const std::vector<KeptRow> coordinates = kept_rows(equations, Kept::coordinates);
   const std::vector<KeptRow> speeds = kept_rows(equations, Kept::speeds);

@@ -7,6 +7,7 @@
 #include "cartesian/bodies/indices.h"
 #include "cartesian/dynamics/equations.h"
 #include "cartesian/rank/kept_rows.h"
+#include "cartesian/rank/sparse_qr.h"
 #include "common/start_words.h"
 
 namespace concord::cartesian {
@@ -54,6 +55,9 @@ bool modes_are_restricted(const Equations& equations);
 /// `equations` count from. `rank`: of the constraints in closed poses; those of a linkage that moves though it is
 /// overconstrained have more beside them, and steps along its motion that go with it are not taken.
 Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, VecX& q, VecX& Y,
+                      std::optional<int> rank = {});
+/// The same by the solver that closed the machine before, perhaps in this pose.
+Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, VecX& q, VecX& Y, ShortestSolver& solver,
                       std::optional<int> rank = {});
 
 /// Words whose coordinates (speeds) a start can keep in this state, as many as are free and independent of each other:

@@ -21,13 +21,10 @@ std::vector<KeptRow> kept_at(const Equations& equations, Hold hold, Kept what);
 /// without those of modes that are kept.
 VecX units_of_steps(const Equations& equations, Kept what, Modes modes);
 
-/// Jacobian over steps in these units: constraints first, then the kept rows. For coordinates the rows that hold for
-/// velocities alone are empty, as is their residual.
-SparseMatrix closing_jacobian(const Equations& equations, Kept what, const std::vector<KeptRow>& kept,
-                              const VecX& units);
-
-/// Rank of a closing Jacobian over steps; `coarse`: singular values below kRootOfRoundOff of the largest count as zero.
-int rank_of_rows(const Equations& equations, SparseMatrix jacobian, bool coarse = false);
+/// Rank of the Jacobian over steps in these units: constraints first, then the kept rows. `coarse`: singular values
+/// below kRootOfRoundOff of the largest count as zero.
+int rank_of_rows(const Equations& equations, Kept what, const std::vector<KeptRow>& kept, const VecX& units,
+                 bool coarse = false);
 
 /// What closing holds, and a joint that gives way where not all of it can be: what this forbids weighs so much.
 struct Holding {
@@ -47,13 +44,14 @@ struct Holding {
 /// Residuals by the sizes of their rows, and the Jacobian that goes with them: numbers in the machine's units.
 struct ClosingSystem {
   std::vector<KeptRow> kept;
-  SparseMatrix jacobian;
+  VecX by_row;  // 1 over the size, times the weight
   VecX residual;
+  SparseMatrix jacobian;   // once it is written
   VecX terms;              // how often a residual holds its round-off
   double kept_rate = 0.0;  // the largest speed that is kept, by the size of its row [1/s]
 
-  [[nodiscard]] VecX shortest_step(std::optional<int> rank = {}) const {  // (C47)
-    return solve_shortest(jacobian, -residual, rank);
+  [[nodiscard]] VecX shortest_step(ShortestSolver& solver, std::optional<int> rank = {}) const {  // (C47)
+    return solve_shortest(jacobian, -residual, solver, rank);
   }
   [[nodiscard]] double largest_residual() const {
     return residual.size() == 0 ? 0.0 : residual.cwiseQuotient(terms).lpNorm<Eigen::Infinity>();
@@ -61,9 +59,11 @@ struct ClosingSystem {
   [[nodiscard]] double rate() const { return residual.size() == 0 ? 0.0 : residual.lpNorm<Eigen::Infinity>(); }
 };
 
-/// At the last update.
+/// At the last update, without the Jacobian, which takes most of the time and serves steps alone.
 ClosingSystem make_system(const Equations& equations, Holding hold, Kept what, const VecX& units,
                           const RoundOffShares& shares, std::vector<KeptRow> kept_rows);
+/// At the update of the system.
+void write_jacobian(const Equations& equations, Kept what, const VecX& units, ClosingSystem& system);
 
 /// How far one step of Newton's method on positions may go: half a radian, so that no turn is lost and no other branch
 /// is met, and half the machine's length. Where a step leaves of every residual what its first order says, as along a

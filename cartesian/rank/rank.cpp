@@ -129,12 +129,13 @@ VecX solve_truncated(const MatX& matrix, const VecX& right_side, Eigen::Index mo
 
 }  // namespace
 
-VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side, std::optional<int> most_rank) {
+VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side, ShortestSolver& solver,
+                    std::optional<int> most_rank) {
   const bool may_be_dense = matrix.rows() <= kMostDenseRows;
   if (may_be_dense && most_rank && *most_rank < matrix.rows()) {
     return solve_truncated(MatX(matrix), right_side, *most_rank);
   }
-  ShortestSolution solution = sparse_shortest(matrix.transpose(), right_side, kDependent);
+  ShortestSolution solution = solver.solve(matrix.transpose(), right_side, kDependent);
   const bool has_full_rank = solution.rank == matrix.rows();
   return has_full_rank || !may_be_dense ? std::move(solution.x)
                                         : solve_truncated(MatX(matrix), right_side, matrix.rows());

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cartesian/rank/row_selection.h"
+#include "cartesian/rank/sparse_qr.h"
 
 /// The rank of a matrix, and its null space.
 namespace concord::cartesian {
@@ -37,7 +38,8 @@ RankDecision decide_rank(const SparseMatrix& matrix, const std::vector<bool>* go
 /// gives a solution but not the shortest, so up to 500 rows a dense QR with column exchanges does. Rows should be of
 /// about unit size. `most_rank`: that of the matrix where the right side vanishes. Up to 500 rows, what it has beyond
 /// as many pivots is left out, and the rows are obeyed by least squares: it comes from the right side and would ask for
-/// steps as large as this is small.
-VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side, std::optional<int> most_rank = {});
+/// steps as large as this is small. `solver`: that of the matrices before.
+VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side, ShortestSolver& solver,
+                    std::optional<int> most_rank = {});
 
 }  // namespace concord::cartesian

@@ -2,6 +2,7 @@
 
 #include <Eigen/Sparse>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "common/types.h"
@@ -33,6 +34,23 @@ struct ShortestSolution {
   VecX x;
   Eigen::Index rank = 0;  // number of rows that x obeys
 };
-ShortestSolution sparse_shortest(const SparseMatrix& matrix, const VecX& b, double tolerance);
+
+/// Solves for one matrix after the other. One of the last one's pattern is not ordered anew, and one that is hardly
+/// another, as where Newton's method has arrived, is solved with the last one's factors.
+class ShortestSolver {
+ public:
+  ShortestSolver();
+  ~ShortestSolver();
+  ShortestSolver(const ShortestSolver&) = delete;
+  ShortestSolver& operator=(const ShortestSolver&) = delete;
+
+  /// A in compressed form.
+  ShortestSolution solve(const SparseMatrix& A, const VecX& b, double tolerance);
+
+ private:
+  class Factors;
+  std::unique_ptr<Factors> factors_;  // of matrix_
+  SparseMatrix matrix_;
+};
 
 }  // namespace concord::cartesian

@@ -69,8 +69,10 @@ VecX come_nearest(Equations& equations, double t, const Holding& hold, VecX& q, 
   const RoundOffShares none(equations.constraints());
   const auto system_at = [&](const VecX& at) {
     equations.update(t, at, Y);
-    return make_system(equations, hold, Kept::coordinates, units, none,
-                       kept_at(equations, hold.what, Kept::coordinates));
+    ClosingSystem system =
+        make_system(equations, hold, Kept::coordinates, units, none, kept_at(equations, hold.what, Kept::coordinates));
+    write_jacobian(equations, Kept::coordinates, units, system);
+    return system;
   };
   ClosingSystem system = system_at(q);
   double damping = kLeastDamping;

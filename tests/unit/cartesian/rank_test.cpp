@@ -137,8 +137,31 @@ TEST(Rank, RowsThatGoFirstStayWhereRowsDependOnEachOther) {
 TEST(Rank, ShortestSolutionLeavesDependentRowsOut) {
   const MatX matrix = dependent_rows(5, 9);
   const VecX known = matrix.transpose() * VecX::LinSpaced(5, -1.0, 2.0);  // in the row space: already the shortest
-  const VecX x = solve_shortest(sparse(matrix), matrix * known);
+  ShortestSolver solver;
+  const VecX x = solve_shortest(sparse(matrix), matrix * known, solver);
   EXPECT_LT((matrix * (x - known)).norm(), 1e-13);
+}
+
+TEST(Rank, OneSolverServesOneMatrixAfterTheOther) {
+  const MatX first = dependent_rows(6, 9).topRows(5);
+  const MatX dependent = [&] {
+    MatX rows = first;
+    rows.row(4) = (rows.row(0) + rows.row(2)).normalized();
+    return rows;
+  }();
+  const MatX near = first + 1e-12 * first.rowwise().reverse();
+  MatX other_pattern = first;
+  other_pattern.leftCols(4).triangularView<Eigen::StrictlyLower>().setZero();
+  ShortestSolver one;
+  for (const MatX& matrix : {first, near, MatX(first.rowwise().reverse()), dependent, other_pattern, first}) {
+    const VecX b = matrix * VecX::LinSpaced(9, -1.0, 2.0);
+    ShortestSolver anew;
+    const ShortestSolution found = one.solve(sparse(matrix.transpose()), b, 1e-8);
+    const ShortestSolution expected = anew.solve(sparse(matrix.transpose()), b, 1e-8);
+    EXPECT_EQ(found.rank, expected.rank);
+    EXPECT_LT((found.x - expected.x).norm(), 1e-10 * expected.x.norm());
+    EXPECT_LT((matrix * found.x - b).norm(), 1e-10 * b.norm());
+  }
 }
 
 }  // namespace
