@@ -1,7 +1,7 @@
 #pragma once
 
 #include "cartesian/bodies/body_inertia.h"
-#include "common/rotation.h"
+#include "cartesian/bodies/small_products.h"
 
 namespace concord::cartesian {
 
@@ -37,11 +37,16 @@ void DeformedInertia::update(const Modal& a, const Modal& adot) {
 
 template <class Block>
 void DeformedInertia::write_rigid_rows(const Mat3& A, Block&& M) const {
-  const Mat3 lever = skew(A * sum_s_);
+  const Vec3 lever = times(A, sum_s_);
   M.template block<3, 3>(0, 0) = body_.mass_ * Mat3::Identity();
-  M.template block<3, 3>(0, 3) = -lever;
-  M.template block<3, 3>(3, 0) = lever;
-  M.template block<3, 3>(3, 3) = A * (sum_s_s_.trace() * Mat3::Identity() - sum_s_s_) * A.transpose();
+  for (int c = 0; c < 3; ++c) {
+    const Vec3 moment = cross(lever, Vec3::Unit(c));
+    M.template block<3, 1>(0, 3 + c) = -moment;
+    M.template block<3, 1>(3, c) = moment;
+  }
+  Mat3 A_inertia_L;
+  multiply(A, sum_s_s_.trace() * Mat3::Identity() - sum_s_s_, A_inertia_L);
+  for (int c = 0; c < 3; ++c) M.template block<3, 1>(3, 3 + c) = times(A_inertia_L, A.row(c));
   for (int k = 0; k < body_.n_modes_; ++k) {
     M.template block<3, 1>(0, 6 + k) = A * body_.sum_psi_.col(k);
     M.template block<3, 1>(3, 6 + k) = A * cross_sum(sum_s_psi_.middleCols<3>(3 * k));
@@ -61,17 +66,17 @@ void DeformedInertia::write_mass_matrix(const Mat3& A, Block&& M) const {
 template <class Modal, class Rows>
 void DeformedInertia::write_forces(const Mat3& A, const Vec3& omega, const Vec3& gravity, const Modal& a,
                                    const Modal& adot, Rows&& force) const {
-  const Vec3 omega_L = A.transpose() * omega;
-  const Vec3 gravity_L = A.transpose() * gravity;
+  const Vec3 omega_L = transpose_times(A, omega);
+  const Vec3 gravity_L = transpose_times(A, gravity);
   // Of m (omega x (omega x s) + 2 omega x sdot), and its moment about the origin:
   // s x (omega x (omega x s)) = omega x (tr(s s^T) 1 - s s^T) omega;  s x (omega x sdot) = omega (s . sdot) - sdot (s .
   // omega)
-  const Vec3 S_v_L = omega_L.cross(omega_L.cross(sum_s_) + 2.0 * sum_sdot_);
-  const Mat3 inertia_L = sum_s_s_.trace() * Mat3::Identity() - sum_s_s_;
-  const Vec3 S_omega_L =
-      omega_L.cross(inertia_L * omega_L) + 2.0 * (sum_s_sdot_.trace() * omega_L - sum_s_sdot_.transpose() * omega_L);
-  force.template segment<3>(0) = A * (body_.mass_ * gravity_L - S_v_L);
-  force.template segment<3>(3) = A * (sum_s_.cross(gravity_L) - S_omega_L);
+  const Vec3 S_v_L = cross(omega_L, Vec3(cross(omega_L, sum_s_) + 2.0 * sum_sdot_));
+  // and tr(s s^T) omega is parallel to omega.
+  const Vec3 S_omega_L = 2.0 * (sum_s_sdot_.trace() * omega_L - transpose_times(sum_s_sdot_, omega_L)) -
+                         cross(omega_L, times(sum_s_s_, omega_L));
+  force.template segment<3>(0) = times(A, Vec3(body_.mass_ * gravity_L - S_v_L));
+  force.template segment<3>(3) = times(A, Vec3(cross(sum_s_, gravity_L) - S_omega_L));
   const double omega_squared = omega_L.squaredNorm();
   for (int k = 0; k < body_.n_modes_; ++k) {
     const auto s_psi = sum_s_psi_.middleCols<3>(3 * k);

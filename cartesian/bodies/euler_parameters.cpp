@@ -2,14 +2,21 @@
 
 #include <cmath>
 
+#include "cartesian/bodies/small_products.h"
 #include "common/rotation.h"
 
 namespace concord::cartesian {
 
 Mat3 rotation_of(const Vec4& p) {
-  const double e0 = p(0);
   const Vec3 e = p.tail<3>();
-  return (e0 * e0 - e.squaredNorm()) * Mat3::Identity() + 2.0 * e * e.transpose() + 2.0 * e0 * skew(e);
+  const double along = p(0) * p(0) - e.squaredNorm();
+  const Vec3 twice = 2.0 * e;
+  const Vec3 across = (2.0 * p(0)) * e;
+  Mat3 A;
+  A.col(0) = vector(Two{along + twice.x() * e.x(), twice.x() * e.y() + across.z()}, twice.x() * e.z() - across.y());
+  A.col(1) = vector(Two{twice.y() * e.x() - across.z(), along + twice.y() * e.y()}, twice.y() * e.z() + across.x());
+  A.col(2) = vector(Two{twice.z() * e.x() + across.y(), twice.z() * e.y() - across.x()}, along + twice.z() * e.z());
+  return A;
 }
 
 Mat34 compute_E(const Vec4& p) {

@@ -5,6 +5,8 @@
 #include <array>
 #include <utility>
 
+#include "cartesian/bodies/small_products.h"
+
 namespace concord::cartesian {
 
 namespace {
@@ -16,8 +18,8 @@ struct RowWrench {
 
   RowWrench(const JointEquations& joint, const ConstraintRow& row) {
     const Mat3& A_joint = joint.marker(Side::parent).A_joint;
-    force.noalias() = A_joint * row.over_d;
-    torque.noalias() = A_joint * row.over_rho;
+    force = times(A_joint, row.over_d);
+    torque = times(A_joint, row.over_rho);
   }
 };
 
@@ -27,7 +29,7 @@ void write_row(const JointEquations& joint, Side side, const RowWrench& wrench, 
   if (side == Side::child) {
     write_generalized_force(joint.marker(side), wrench.force, wrench.torque, column);
   } else {
-    write_generalized_force(joint.marker(side), -wrench.force, -(wrench.torque + joint.gap.cross(wrench.force)),
+    write_generalized_force(joint.marker(side), -wrench.force, -(wrench.torque + cross(joint.gap, wrench.force)),
                             column);
   }
 }
@@ -58,14 +60,14 @@ std::optional<int> place_of_elevation(const joints::JointType& type) {
 }  // namespace
 
 void place_relative(const Marker& parent, const Marker& child, RelativeMotion& motion) {
-  motion.d = parent.A_joint.transpose() * (child.point - parent.point);
-  motion.R = parent.A_joint.transpose() * child.A_joint;
+  motion.d = transpose_times(parent.A_joint, Vec3(child.point - parent.point));
+  multiply_transpose(parent.A_joint, child.A_joint, motion.R);
 }
 
 void move_relative(const Marker& parent, const Marker& child, RelativeMotion& motion) {
-  const Vec3 carried = parent.angular_velocity.cross(child.point - parent.point);
-  motion.ddot = parent.A_joint.transpose() * (child.velocity - parent.velocity - carried);
-  motion.omega = parent.A_joint.transpose() * (child.angular_velocity - parent.angular_velocity);
+  const Vec3 carried = cross(parent.angular_velocity, Vec3(child.point - parent.point));
+  motion.ddot = transpose_times(parent.A_joint, Vec3(child.velocity - parent.velocity - carried));
+  motion.omega = transpose_times(parent.A_joint, Vec3(child.angular_velocity - parent.angular_velocity));
 }
 
 JointEquations make_joint_equations(const Joint& stated, const Layout& layout, RowIndex first_row,
@@ -75,6 +77,7 @@ JointEquations make_joint_equations(const Joint& stated, const Layout& layout, R
   joint.n_forbids = stated.type->rows();
   joint.first_driver = joint.n_forbids + stated.type->nonholonomic_rows();
   joint.n_rows = joint.first_driver + static_cast<int>(stated.drivers.size());
+  joint.n_u = stated.type->n_u();
   for (const Driver& driver : stated.drivers) {
     joint.driver_turns.push_back(reads_turn(*read_of(*stated.type, driver.word), driver.component));
   }
@@ -128,13 +131,14 @@ void move_markers(const Joint& stated, const Layout& layout, const ByBody<Mat3>&
   const Mat3& A_joint = parent.A_joint;
   const Vec3& omega_j = parent.angular_velocity;
   const Vec3 closing = child.velocity - parent.velocity;
-  const Vec3 carried = omega_j.cross(joint.gap);
+  const Vec3 carried = cross(omega_j, joint.gap);
   move_relative(parent, child, joint.motion);
-  joint.linear_bias = A_joint.transpose() *
-                      (child.velocity_bias - parent.velocity_bias - parent.angular_velocity_bias.cross(joint.gap) -
-                       2.0 * omega_j.cross(closing) + omega_j.cross(carried));
-  joint.angular_bias = A_joint.transpose() * (child.angular_velocity_bias - parent.angular_velocity_bias -
-                                              omega_j.cross(child.angular_velocity));
+  const Vec3 linear = child.velocity_bias - parent.velocity_bias - cross(parent.angular_velocity_bias, joint.gap) -
+                      2.0 * cross(omega_j, closing) + cross(omega_j, carried);
+  const Vec3 angular =
+      child.angular_velocity_bias - parent.angular_velocity_bias - cross(omega_j, child.angular_velocity);
+  joint.linear_bias = transpose_times(A_joint, linear);
+  joint.angular_bias = transpose_times(A_joint, angular);
 }
 
 void write_rows(const Joint& stated, JointEquations& joint) {

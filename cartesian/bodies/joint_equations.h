@@ -42,6 +42,7 @@ struct JointLayout {
   int n_forbids = 0;
   int first_driver = 0;  // n_forbids and the rows of forbidden speeds
   int n_rows = 0;
+  int n_u = 0;
   std::optional<int> elevation;    // index of an arm's elevation among the joint's q, if it has one
   std::vector<bool> driver_turns;  // by driver: it moves an angle known but for full turns
   std::vector<CoupledCoordinate> coupled;

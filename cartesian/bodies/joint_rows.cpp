@@ -1,7 +1,9 @@
 #include "cartesian/bodies/joint_rows.h"
 
+#include <array>
 #include <cmath>
 
+#include "cartesian/bodies/small_products.h"
 #include "common/error.h"
 
 namespace concord::cartesian {
@@ -24,7 +26,8 @@ using joints::SlideAlong;
 using joints::TurnOfChildAxis;
 using joints::TurnOfParentAxis;
 
-Vec3 unit(Axis axis) { return Vec3::Unit(index(axis)); }
+const std::array<Vec3, 3> kUnits{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+const Vec3& unit(Axis axis) { return kUnits[index(axis)]; }
 
 Axis next(Axis axis) { return static_cast<Axis>((index(axis) + 1) % 3); }
 
@@ -38,12 +41,12 @@ ConstraintRow gap_row(const Vec3& e, const RelativeMotion& motion) {
 
 /// m . (R n) for a vector m fixed on the parent and n fixed on the child (C17).
 ConstraintRow dot_row(const Vec3& m, const Vec3& n, const RelativeMotion& motion) {
-  const Vec3 R_n = motion.R * n;
-  const Vec3 swing = motion.omega.cross(R_n);
+  const Vec3 R_n = times(motion.R, n);
+  const Vec3 swing = cross(motion.omega, R_n);
   ConstraintRow row;
   row.value = m.dot(R_n);
-  row.over_rho = R_n.cross(m);
-  row.bias = motion.omega.dot(swing.cross(m));
+  row.over_rho = cross(R_n, m);
+  row.bias = motion.omega.dot(cross(swing, m));
   return row;
 }
 
@@ -88,7 +91,7 @@ joints::FunctionOfPlacement::Rows evaluate_function(const joints::FunctionOfPlac
 }
 
 int write(const Coincide&, const RelativeMotion& motion, ConstraintRow* rows) {
-  for (int k = 0; k < 3; ++k) rows[k] = gap_row(Vec3::Unit(k), motion);
+  for (int k = 0; k < 3; ++k) rows[k] = gap_row(unit(static_cast<Axis>(k)), motion);
   return 3;
 }
 
@@ -103,7 +106,7 @@ int write(const Perpendicular& word, const RelativeMotion& motion, ConstraintRow
 }
 
 int write(const SameDirection& word, const RelativeMotion& motion, ConstraintRow* rows) {
-  const Vec3 axis = unit(word.axis);
+  const Vec3& axis = unit(word.axis);
   rows[0] = dot_row(unit(next(word.axis)), axis, motion);
   rows[1] = dot_row(unit(next(next(word.axis))), axis, motion);
   return 2;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cartesian/bodies/marker_kinematics.h"
+#include "cartesian/bodies/small_products.h"
 
 namespace concord::cartesian {
 
@@ -9,8 +10,8 @@ namespace concord::cartesian {
 template <class Modal>
 void place(const Attachment& attachment, const Vec3& r, const Mat3& A, const Modal& a, Marker& marker) {
   if (a.size() == 0) {
-    marker.lever.noalias() = A * attachment.point_L;
-    marker.A_joint.noalias() = A * attachment.C;
+    marker.lever = times(A, attachment.point_L);
+    multiply(A, attachment.C, marker.A_joint);
   } else {
     const Vec3 s_P_L = attachment.point_L + attachment.Psi_t_L * a;
     marker.lever.noalias() = A * s_P_L;
@@ -29,10 +30,10 @@ void place(const Attachment& attachment, const Vec3& r, const Mat3& A, const Mod
 template <class Modal>
 void move(const Attachment& attachment, const Mat3& A, const Vec3& v, const Vec3& omega, const Modal& adot,
           Marker& marker) {
-  const Vec3 swing = omega.cross(marker.lever);
+  const Vec3 swing = cross(omega, marker.lever);
   marker.velocity = v + swing;
   marker.angular_velocity = omega;
-  marker.velocity_bias = omega.cross(swing);
+  marker.velocity_bias = cross(omega, swing);
   marker.angular_velocity_bias.setZero();
   if (adot.size() == 0) return;
   const Vec3 deforming = marker.A_Psi_t * adot;
@@ -47,7 +48,7 @@ void move(const Attachment& attachment, const Mat3& A, const Vec3& v, const Vec3
 template <class Column>
 void write_generalized_force(const Marker& marker, const Vec3& force, const Vec3& torque, Column&& column) {
   column.template segment<3>(0) = force;
-  column.template segment<3>(3) = marker.lever.cross(force) + torque;
+  column.template segment<3>(3) = cross(marker.lever, force) + torque;
   const Eigen::Index m = marker.A_Psi_t.cols();
   if (m > 0) {
     column.segment(6, m) =

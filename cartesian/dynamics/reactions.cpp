@@ -1,5 +1,6 @@
 #include "cartesian/dynamics/reactions.h"
 
+#include "cartesian/bodies/small_products.h"
 #include "cartesian/forces/joint_springs.h"
 
 namespace concord::cartesian {
@@ -8,17 +9,18 @@ namespace {
 
 /// The same wrench in the joint frame and in global axes (C41), paper (29).
 SideWrench seen_from(const Mat3& A_joint, const Wrench& in_global) {
-  return {{A_joint.transpose() * in_global.force, A_joint.transpose() * in_global.torque}, in_global};
+  return {{transpose_times(A_joint, in_global.force), transpose_times(A_joint, in_global.torque)}, in_global};
 }
 
 /// Generalized force columns of the body, weighted with -lambda, as a wrench at the marker (C41).
 Wrench from_columns(const Marker& marker, const Eigen::Ref<const MatX>& Phi_Y_transposed,
                     const Eigen::Ref<const VecX>& lambda) {
-  const Vec6 generalized = -Phi_Y_transposed.topRows<6>().lazyProduct(lambda);
-  Wrench wrench;
-  wrench.force = generalized.head<3>();
-  wrench.torque = generalized.tail<3>() - marker.lever.cross(wrench.force);
-  return wrench;
+  Vec6 generalized = Vec6::Zero();
+  for (Eigen::Index row = 0; row < lambda.size(); ++row) {
+    generalized -= lambda(row) * Phi_Y_transposed.col(row).head<6>();
+  }
+  const Vec3 force = generalized.head<3>();
+  return {force, generalized.tail<3>() - cross(marker.lever, force)};
 }
 
 /// A joint with ground has no columns on that side: the wrench on ground follows from the rows themselves.
@@ -55,7 +57,7 @@ Wrench difference(const Wrench& total, const Wrench& part) {
 void write_wrenches(const Joint& stated, const JointEquations& joint, const Eigen::Ref<const VecX>& lambda,
                     const SpringsAt* springs, JointWrenches& wrenches) {
   VecX& tau = wrenches.tau;
-  tau.setZero(stated.type->n_u());
+  tau.setZero(joint.n_u);
   for (std::size_t k = 0; k < stated.drivers.size(); ++k) {
     const Driver& driver = stated.drivers[k];
     tau(first_u(*stated.type, driver.word) + driver.component) =
@@ -70,6 +72,7 @@ void write_wrenches(const Joint& stated, const JointEquations& joint, const Eige
   }
   const bool is_driven = !stated.drivers.empty() || !joint.coupled.empty();
   const auto by_rows = is_driven ? coordinate_wrenches(stated, joint, tau) : std::array<Wrench, 2>{};
+  const bool is_pushed = is_driven || springs != nullptr;
   if (springs != nullptr) {
     add_spring_shares(stated, joint, springs->t, springs->exerted, wrenches.shares);
     tau += springs->exerted.tau;
@@ -82,8 +85,8 @@ void write_wrenches(const Joint& stated, const JointEquations& joint, const Eige
                                : from_columns(marker, joint.Phi_Y_transposed[index(side)], lambda);
     Wrench total = of_rows;
     if (springs != nullptr) total += springs->exerted.wrenches[index(side)];
-    wrenches.total[index(side)] = seen_from(marker.A_joint, total);
     wrenches.reaction[index(side)] = seen_from(marker.A_joint, difference(of_rows, by_rows[index(side)]));
+    wrenches.total[index(side)] = is_pushed ? seen_from(marker.A_joint, total) : wrenches.reaction[index(side)];
   }
 }
 
