@@ -23,30 +23,6 @@ std::vector<std::set<int>> neighbours(int n, const std::vector<BlockLdlt::Pair>&
 
 }  // namespace
 
-bool factor_block(Mat6& A, Vec6& inverse_D, const Vec6& least, int size) {
-  bool is_positive = true;
-  for (int c = 0; c < size; ++c) {
-    is_positive = is_positive && A(c, c) > least(c);
-    const Vec6 column = A.col(c);
-    inverse_D(c) = 1.0 / column(c);
-    A.col(c) = inverse_D(c) * column;
-    for (int later = c + 1; later < size; ++later) A.col(later) -= column(later) * A.col(c);
-  }
-  return is_positive;
-}
-
-void solve_lower(const Mat6& L, Vec6& x) {
-  for (int c = 0; c < 5; ++c) {
-    for (int later = c + 1; later < 6; ++later) x(later) -= L(later, c) * x(c);
-  }
-}
-
-void solve_upper(const Mat6& L, Vec6& x) {
-  for (int c = 4; c >= 0; --c) {
-    for (int later = c + 1; later < 6; ++later) x(c) -= L(later, c) * x(later);
-  }
-}
-
 BlockLdlt::BlockLdlt(std::vector<int> sizes, const std::vector<Pair>& pairs)
     : sizes_(std::move(sizes)),
       below_(sizes_.size()),
@@ -86,25 +62,63 @@ int BlockLdlt::find(int row, int column) const {
   return found->place;
 }
 
+/// In stores of their own: what g++ makes of setZero() here begins slowly.
 void BlockLdlt::set_zero() {
-  for (int k = 0; k < size(); ++k) {
-    blocks_[k].setZero();
-    for (const Below& below : below_[k]) blocks_[below.place].setZero();
+  for (Mat6& block : blocks_) {
+#pragma GCC unroll 18
+    for (int k = 0; k < 36; k += 2) store_two(Two{}, block.data() + k);
   }
 }
 
 bool BlockLdlt::factor(double least) {
   for (int k = 0; k < size(); ++k) least_[k] = least * blocks_[k].diagonal();
   for (int k = 0; k < size(); ++k) {
-    if (!factor_block(blocks_[k], inverse_D_[k], least_[k], sizes_[k])) return false;
-    for (const Below& below : below_[k]) divide_rows(blocks_[k], blocks_[below.place], sizes_[k]);
-    for (const Update& update : updates_[k]) {
-      add_product<-1>(blocks_[update.left], inverse_D_[k], blocks_[update.right], blocks_[update.target],
-                      update.columns, sizes_[k]);
-    }
+    if (!eliminate(k)) return false;
   }
   return true;
 }
+
+/// With as many rows as a constant, so that loops unroll.
+bool BlockLdlt::eliminate(int column) {
+  switch (sizes_[column]) {
+    case 1:
+      return eliminate<1>(column);
+    case 2:
+      return eliminate<2>(column);
+    case 3:
+      return eliminate<3>(column);
+    case 4:
+      return eliminate<4>(column);
+    case 5:
+      return eliminate<5>(column);
+    default:
+      return eliminate<6>(column);
+  }
+}
+
+template <int N>
+bool BlockLdlt::eliminate(int column) {
+  if (!factor_block<N>(blocks_[column], inverse_D_[column], least_[column])) return false;
+  for (const Below& below : below_[column]) divide_rows<N>(blocks_[column], blocks_[below.place]);
+  for (const Update& update : updates_[column]) {
+    add_product<-1, N>(blocks_[update.left], inverse_D_[column], blocks_[update.right], blocks_[update.target],
+                       update.columns);
+  }
+  return true;
+}
+
+namespace {
+
+/// sum -= A x.
+template <class Sum>
+void subtract_product(const Mat6& A, const Vec6& x, Sum&& sum) {
+  Vec6 rest = sum;
+#pragma GCC unroll 6
+  for (int c = 0; c < 6; ++c) rest -= x(c) * A.col(c);
+  sum = rest;
+}
+
+}  // namespace
 
 void BlockLdlt::solve(Mat6X& x) const {
   for (int k = 0; k < size(); ++k) {
@@ -112,11 +126,11 @@ void BlockLdlt::solve(Mat6X& x) const {
     solve_lower(blocks_[k], own);
     x.col(k) = own;
     own.array() *= inverse_D_[k].array();
-    for (const Below& below : below_[k]) x.col(below.row).noalias() -= blocks_[below.place] * own;
+    for (const Below& below : below_[k]) subtract_product(blocks_[below.place], own, x.col(below.row));
   }
   for (int k = size() - 1; k >= 0; --k) {
     Vec6 own = x.col(k);
-    for (const Below& below : below_[k]) own.noalias() -= blocks_[below.place].transpose() * x.col(below.row);
+    for (const Below& below : below_[k]) own -= transpose_times(blocks_[below.place], Vec6(x.col(below.row)));
     own.array() *= inverse_D_[k].array();
     solve_upper(blocks_[k], own);
     x.col(k) = own;

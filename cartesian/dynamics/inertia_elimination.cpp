@@ -46,6 +46,7 @@ InertiaElimination::InertiaElimination(const Equations& equations, const ByBody<
     part.modal.setZero(part.n_modes);
     part.terms.setZero(6 + part.n_modes);
     part.sizes.setZero(6 + part.n_modes);
+    if (no_row_.size() < part.M.cols()) no_row_.setZero(part.M.cols());
     parts_.push_back(std::move(part));
   }
   residual_.setZero(n_Y_ + equations.constraints().n_rows());
@@ -147,19 +148,21 @@ bool InertiaElimination::factor_inertia(const Equations& equations, Part& part) 
   const Vec6 least = kLeastPivot * part.L_rigid.diagonal();
   if (part.n_modes > 0) {
     part.coupling = part.M.rightCols(part.n_modes);
-    divide_rows(part.L_modal, part.coupling, part.n_modes);
-    add_product<-1>(part.coupling, part.inverse_D_modal, part.coupling, part.L_rigid, 6, part.n_modes);
+    divide_rows(part.L_modal, part.coupling);
+    add_product<-1>(part.coupling, part.inverse_D_modal, part.coupling, part.L_rigid, 6);
   }
-  return factor_block(part.L_rigid, part.inverse_D_rigid, least);
+  return factor_block<6>(part.L_rigid, part.inverse_D_rigid, least);
 }
 
 void InertiaElimination::read_rows(const Equations& equations, Leg& leg) {
   const Eigen::Ref<const MatX> columns = equations.moving_constraints().columns(blocks_[leg.block]);
-  for (std::size_t row = 0; row < leg.own.size(); ++row) {
-    const double* of_row = columns.col(leg.own[row]).data();
+  for (std::size_t row = 0; row < leg.own.size(); row += 2) {
+    const double* one = columns.col(leg.own[row]).data();
+    const double* other = row + 1 < leg.own.size() ? columns.col(leg.own[row + 1]).data() : no_row_.data();
     double* to = leg.J.data() + row;
-    for (int c = 0; c < 6; ++c) to[6 * c] = of_row[c];
-    for (Eigen::Index c = 6; c < leg.J.cols(); ++c) to[6 * c] = of_row[c];
+#pragma GCC unroll 6
+    for (int c = 0; c < 6; ++c) store_two(Two{one[c], other[c]}, to + 6 * c);
+    for (Eigen::Index c = 6; c < leg.J.cols(); ++c) store_two(Two{one[c], other[c]}, to + 6 * c);
   }
 }
 
@@ -168,10 +171,10 @@ void InertiaElimination::divide_by_inertia(const Part& part, Leg& leg) {  // (C6
   auto rigid = leg.W.leftCols<6>();
   if (part.n_modes > 0) {
     auto modal = leg.W.rightCols(part.n_modes);
-    divide_rows(part.L_modal, modal, part.n_modes);
-    add_product<-1>(modal, part.inverse_D_modal, part.coupling, rigid, 6, part.n_modes);
+    divide_rows(part.L_modal, modal);
+    add_product<-1>(modal, part.inverse_D_modal, part.coupling, rigid, 6);
   }
-  divide_rows(part.L_rigid, rigid, 6);
+  divide_rows<6>(part.L_rigid, rigid);
 }
 
 /// H += W D^-1 W^T of all pairs of nodes on a body.
@@ -183,10 +186,9 @@ void InertiaElimination::add_to_rows(const Part& part) {  // (C66)
       const Mat6X& W_column = legs_[column].W;
       const int n = static_cast<int>(legs_[column].own.size());
       Mat6& block = H_.block(*place++);
-      add_product<1>(W_row.leftCols<6>(), part.inverse_D_rigid, W_column.leftCols<6>(), block, n, 6);
+      add_product<1, 6>(W_row.leftCols<6>(), part.inverse_D_rigid, W_column.leftCols<6>(), block, n);
       if (part.n_modes == 0) continue;
-      add_product<1>(W_row.rightCols(part.n_modes), part.inverse_D_modal, W_column.rightCols(part.n_modes), block, n,
-                     part.n_modes);
+      add_product<1>(W_row.rightCols(part.n_modes), part.inverse_D_modal, W_column.rightCols(part.n_modes), block, n);
     }
   }
 }
@@ -218,9 +220,11 @@ void InertiaElimination::eliminate(Part& part, const VecX& x) {
     part.rigid -= (part.inverse_D_modal(c) * own) * part.coupling.col(c);
   }
   solve_lower(part.L_rigid, part.rigid);
+  const Vec6 weighted = part.inverse_D_rigid.cwiseProduct(part.rigid);
   for (const Leg& leg : legs_of(part)) {
     Vec6 sum = multipliers_.col(leg.node);
-    for (int c = 0; c < 6; ++c) sum += (part.inverse_D_rigid(c) * part.rigid(c)) * leg.W.col(c);
+#pragma GCC unroll 6
+    for (int c = 0; c < 6; ++c) sum += weighted(c) * leg.W.col(c);
     for (int c = 0; c < part.n_modes; ++c) sum += (part.inverse_D_modal(c) * part.modal(c)) * leg.W.col(6 + c);
     multipliers_.col(leg.node) = sum;
   }
@@ -230,7 +234,7 @@ void InertiaElimination::eliminate(Part& part, const VecX& x) {
 void InertiaElimination::substitute(Part& part, VecX& x) {
   for (const Leg& leg : legs_of(part)) {
     const Vec6 lambda = multipliers_.col(leg.node);
-    for (int c = 0; c < 6; ++c) part.rigid(c) -= leg.W.col(c).dot(lambda);
+    part.rigid -= transpose_times(leg.W.leftCols<6>(), lambda);
     for (int c = 0; c < part.n_modes; ++c) part.modal(c) -= leg.W.col(6 + c).dot(lambda);
   }
   part.rigid.array() *= part.inverse_D_rigid.array();
@@ -284,10 +288,10 @@ double InertiaElimination::residual_of(Part& part, const VecX& right_side, const
     left[c] = right_side(part.first_Y + c);
     terms[c] = std::abs(left[c]);
   }
-  Vec6 rigid = Vec6::Zero();
-  Vec6 rigid_terms = Vec6::Zero();
+  Vec6 rigid = Eigen::Map<const Vec6>(left);
+  Vec6 rigid_terms = Eigen::Map<const Vec6>(terms);
   for (int c = 0; c < n; ++c) {
-    rigid += own[c] * part.M.col(c);
+    rigid -= own[c] * part.M.col(c);
     rigid_terms += part.sizes(c) * part.M.col(c).cwiseAbs();
   }
   for (int c = 0; c < part.n_modes; ++c) {
@@ -296,16 +300,20 @@ double InertiaElimination::residual_of(Part& part, const VecX& right_side, const
     terms[6 + c] += part.M.col(6 + c).cwiseAbs().dot(part.sizes.head<6>()) +
                     part.modal_mass.col(c).cwiseAbs().dot(part.sizes.tail(part.n_modes));
   }
-  for (int c = 0; c < 6; ++c) {
-    left[c] -= rigid(c);
-    terms[c] += rigid_terms(c);
-  }
   for (const Leg& leg : legs_of(part)) {
     const Vec6 lambda = multipliers_.col(leg.node);
     const Vec6 sizes = lambda.cwiseAbs();
     Vec6 of_rows = row_residuals_.col(leg.node);
     Vec6 of_row_terms = row_terms_.col(leg.node);
-    for (int c = 0; c < n; ++c) {
+    const Mat6 absolute = leg.J.leftCols<6>().cwiseAbs();
+    rigid -= transpose_times(leg.J, lambda);
+    rigid_terms += transpose_times(absolute, sizes);
+#pragma GCC unroll 6
+    for (int c = 0; c < 6; ++c) {
+      of_rows -= own[c] * leg.J.col(c);
+      of_row_terms += part.sizes(c) * absolute.col(c);
+    }
+    for (int c = 6; c < n; ++c) {
       const Vec6 column = leg.J.col(c);
       const Vec6 size = column.cwiseAbs();
       of_rows -= own[c] * column;
@@ -316,6 +324,8 @@ double InertiaElimination::residual_of(Part& part, const VecX& right_side, const
     row_residuals_.col(leg.node) = of_rows;
     row_terms_.col(leg.node) = of_row_terms;
   }
+  Eigen::Map<Vec6>{left} = rigid;
+  Eigen::Map<Vec6>{terms} = rigid_terms;
   double largest = 0.0;
   for (int c = 0; c < n; ++c) largest = larger(part_of(left[c], terms[c]), largest);
   return largest;

@@ -90,6 +90,7 @@ class InertiaElimination {
   Mat6X row_residuals_;
   Mat6X row_terms_;
   VecX residual_;
+  VecX no_row_;  // zeros, as many as the largest body has columns
 };
 
 }  // namespace concord::cartesian
