@@ -43,18 +43,14 @@ struct MassMoments {
   /// S - Q of the six rigid rows, of Q gravity alone, without deformation rates: centrifugal, gyroscopic and gravity
   /// terms (R27).
   [[gnu::always_inline]] [[nodiscard]] Vec6 bias(const Vec3& omega, const Vec3& gravity) const {
-    Vec6 p;
-    p.head<3>() = cross(omega, cross(omega, h)) - mass * gravity;
-    p.tail<3>() = cross(omega, relative::times(I, omega)) - cross(h, gravity);
-    return p;
+    return stack(cross(omega, cross(omega, h)) - mass * gravity,
+                 cross(omega, relative::times(I, omega)) - cross(h, gravity));
   }
 
   /// The six rigid rows of M [vdot; omegadot].
   [[gnu::always_inline]] [[nodiscard]] Vec6 times(const Vec6& Vdot) const {
-    Vec6 f;
-    f.head<3>() = mass * Vdot.head<3>() - cross(h, Vdot.tail<3>());
-    f.tail<3>() = cross(h, Vdot.head<3>()) + relative::times(I, Vdot.tail<3>());
-    return f;
+    return stack(mass * Vdot.head<3>() - cross(h, Vdot.tail<3>()),
+                 cross(h, Vdot.head<3>()) + relative::times(I, Vdot.tail<3>()));
   }
 };
 

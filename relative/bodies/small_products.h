@@ -84,6 +84,26 @@ struct ThreeColumns {
   a.multiply(b[2], b[5], b[8], ABt.data() + 6);
 }
 
+/// x and six numbers more, two at once.
+[[gnu::always_inline]] inline Vec6 sum_of_pairs(const Vec6& x, const Pair& first, const Pair& second,
+                                                const Pair& third) {
+  Vec6 sum;
+  store_pair(load_pair(x.data()) + first, sum.data());
+  store_pair(load_pair(x.data() + 2) + second, sum.data() + 2);
+  store_pair(load_pair(x.data() + 4) + third, sum.data() + 4);
+  return sum;
+}
+
+/// [upper; lower], stored two numbers at once as they are read again: a processor waits long for a pair whose halves
+/// were stored apart.
+[[gnu::always_inline]] inline Vec6 stack(const Vec3& upper, const Vec3& lower) {
+  Vec6 result;
+  store_pair(load_pair(upper.data()), result.data());
+  store_pair(Pair{upper.z(), lower.x()}, result.data() + 2);
+  store_pair(load_pair(lower.data() + 1), result.data() + 4);
+  return result;
+}
+
 /// a x b.
 [[gnu::always_inline]] inline Vec3 cross(const Vec3& a, const Vec3& b) {
   Vec3 result;
@@ -93,7 +113,7 @@ struct ThreeColumns {
 }
 
 /// A^T F and A^T T of a wrench w = [F; T], both at once.
-[[gnu::always_inline]] inline void multiply_transpose(const Mat3& A, const Vec6& w, Vec3& force, Vec3& torque) {
+[[gnu::always_inline]] inline Vec6 transpose_times_both(const Mat3& A, const Vec6& w) {
   const double* a = A.data();
   const Pair x{w(0), w(3)};
   const Pair y{w(1), w(4)};
@@ -101,10 +121,11 @@ struct ThreeColumns {
   const Pair first = x * a[0] + y * a[1] + z * a[2];
   const Pair second = x * a[3] + y * a[4] + z * a[5];
   const Pair third = x * a[6] + y * a[7] + z * a[8];
-  store_pair(Pair{first[0], second[0]}, force.data());
-  force.z() = third[0];
-  store_pair(Pair{first[1], second[1]}, torque.data());
-  torque.z() = third[1];
+  Vec6 result;
+  store_pair(Pair{first[0], second[0]}, result.data());
+  store_pair(Pair{third[0], first[1]}, result.data() + 2);
+  store_pair(Pair{second[1], third[1]}, result.data() + 4);
+  return result;
 }
 
 /// Two rows of M x.

@@ -27,16 +27,18 @@ struct LinkBlocks {
 
 /// Moves a velocity or an acceleration [linear; angular] from one point of a frame to another, by e: Sh(e) V (R18).
 [[gnu::always_inline]] inline Vec6 shift_motion(const Vec6& V, const Vec3& e) {
-  Vec6 moved = V;
-  moved.head<3>() += cross(V.tail<3>(), e);
-  return moved;
+  const double x = V(4) * e.z() - V(5) * e.y();
+  const double y = V(5) * e.x() - V(3) * e.z();
+  const double z = V(3) * e.y() - V(4) * e.x();
+  return sum_of_pairs(V, Pair{x, y}, Pair{z, 0.0}, Pair{});
 }
 
 /// Moves a wrench [force; torque] to a point from which the old one is seen at e: Sh(e)^T w (R18).
 [[gnu::always_inline]] inline Vec6 shift_wrench(const Vec6& w, const Vec3& e) {
-  Vec6 moved = w;
-  moved.tail<3>() += cross(e, w.head<3>());
-  return moved;
+  const double x = e.y() * w(2) - e.z() * w(1);
+  const double y = e.z() * w(0) - e.x() * w(2);
+  const double z = e.x() * w(1) - e.y() * w(0);
+  return sum_of_pairs(w, Pair{}, Pair{0.0, x}, Pair{y, z});
 }
 
 /// A wrench [F; T] about one point of a frame, global axes, in that frame's axes, paper (29), and in global ones. It

@@ -124,10 +124,10 @@ template <int N>
   const double z = rho.z();
   const double* a = I.data();
   double* s = sum.data();
-  const auto add_pair = [](const Pair& pair, double* to) { store_pair(load_pair(to) + pair, to); };
-  const auto add_three = [&](const Pair& pair, double third, double* to) {
-    add_pair(pair, to);
-    to[2] += third;
+  const auto add_column = [](const Pair& first, const Pair& second, const Pair& third, double* to) {
+    store_pair(load_pair(to) + first, to);
+    store_pair(load_pair(to + 2) + second, to + 2);
+    store_pair(load_pair(to + 4) + third, to + 4);
   };
   const Pair A0{a[0], a[6]};
   const Pair A1 = load_pair(a + 6);
@@ -141,15 +141,6 @@ template <int N>
   const double b0 = a[20] - (A2[1] * z - a[14] * y);
   const double b1 = a[26] - (a[14] * x - A2[0] * z);
   const double b2 = a[32] - (A2[0] * y - A2[1] * x);
-  add_three(A0, A2[0], s);
-  add_three(A1, A2[1], s + 6);
-  add_three(A2, a[14], s + 12);
-  add_three(B0, b0, s + 18);
-  add_three(B1, b1, s + 24);
-  add_three(B2, b2, s + 30);
-  add_three(Pair{B0[0], B1[0]}, B2[0], s + 3);
-  add_three(Pair{B0[1], B1[1]}, B2[1], s + 9);
-  add_three(Pair{b0, b1}, b2, s + 15);
   // Rows of B, as B^T has them.
   const Pair r0{upper_B0[0], upper_B1[0]};
   const Pair r1{upper_B0[1], upper_B1[1]};
@@ -161,9 +152,12 @@ template <int N>
   const double c0 = a[33] - (a[31] * z - a[32] * y) - (B0[0] * y - B0[1] * x);
   const double c1 = a[34] - (a[32] * x - a[30] * z) - (B1[0] * y - B1[1] * x);
   const double last = a[35] - (a[30] * y - a[31] * x) - (B2[0] * y - B2[1] * x);
-  add_three(Pair{first, C1[0]}, c0, s + 21);
-  add_three(C1, c1, s + 27);
-  add_three(Pair{c0, c1}, last, s + 33);
+  add_column(A0, Pair{A2[0], B0[0]}, Pair{B1[0], B2[0]}, s);
+  add_column(A1, Pair{A2[1], B0[1]}, Pair{B1[1], B2[1]}, s + 6);
+  add_column(A2, Pair{a[14], b0}, Pair{b1, b2}, s + 12);
+  add_column(B0, Pair{b0, first}, Pair{C1[0], c0}, s + 18);
+  add_column(B1, Pair{b1, C1[0]}, Pair{C1[1], c1}, s + 24);
+  add_column(B2, Pair{b2, c0}, Pair{c1, last}, s + 30);
 }
 
 /// Calls f with the number of free speeds, 1 to 6, as a constant of type std::integral_constant.

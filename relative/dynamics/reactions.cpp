@@ -1,5 +1,7 @@
 #include "relative/dynamics/reactions.h"
 
+#include <cstring>
+
 #include "relative/bodies/velocity_transformation.h"
 
 namespace concord::relative {
@@ -248,15 +250,25 @@ void Reactions::backward_pass() {  // (R57), (R58)
   }
 }
 
+namespace {
+
+/// Six numbers in a row, two at once.
+[[gnu::always_inline]] inline void write_wrench(const Vec6& w, Wrench& to) {
+  static_assert(sizeof(Wrench) == sizeof(Vec6));
+  std::memcpy(static_cast<void*>(&to), w.data(), sizeof(Vec6));
+}
+
+}  // namespace
+
 void Reactions::report(JointIndex joint, const Vec6& on_child, const Vec6& on_parent) {
   if (!reports_all_ && is_driven_[joint.value()] == 0) return;
   JointWrenches& wrenches = found_.joints[joint];
   const auto report_on = [&](Side side, const Vec6& w) {
-    SideWrench& total = wrenches.total[index(side)];
-    multiply_transpose(kinematics_->point(joint, side).A, w, total.in_C.force, total.in_C.torque);
-    total.in_global.force = w.head<3>();
-    total.in_global.torque = w.tail<3>();
-    wrenches.reaction[index(side)] = total;
+    const Vec6 in_C = transpose_times_both(kinematics_->point(joint, side).A, w);
+    for (SideWrench* to : {&wrenches.total[index(side)], &wrenches.reaction[index(side)]}) {
+      write_wrench(in_C, to->in_C);
+      write_wrench(w, to->in_global);
+    }
   };
   report_on(Side::parent, on_parent);
   report_on(Side::child, on_child);
