@@ -128,14 +128,19 @@ void ArticulatedInertias::eliminate_rigid(LinkIndex l) {  // (R34), (R35)
   Mat6 V;
   Vec6 w;
   multiply_both<kOnlyTurns>(link.articulated_inertia, given_acceleration(l), H.data(), p, V.data());
+#pragma GCC unroll 6
   for (int j = 1; j < N; ++j) V.col(j) = times(link.articulated_inertia, H.col(j));
+#pragma GCC unroll 6
   for (int j = 0; j < N; ++j) {
+#pragma GCC unroll 6
     for (int i = j; i < N; ++i) link.L(i, j) = product<kOnlyTurns>(H.col(i).data(), V.col(j));
   }
   if (!factorize<N>(link.L)) throw_indefinite(l);
+#pragma GCC unroll 6
   for (int i = 0; i < N; ++i) w(i) = link.tau(i) - product<kOnlyTurns>(H.col(i).data(), p);
   substitute_forward<N>(link.L, w);
   divide_by_transpose<N>(link.L, V);
+#pragma GCC unroll 6
   for (int j = 0; j < N; ++j) {
     link.W.col(j) = V.col(j) / link.L(j, j);
     link.root(j) = std::sqrt(link.L(j, j));

@@ -16,13 +16,17 @@ inline constexpr double kRoundOffOfPivot = 1e-13;
 /// divides by itself is one, to the last bit.
 template <int N>
 [[gnu::always_inline]] inline bool factorize(Mat6& D) {
+#pragma GCC unroll 6
   for (int j = 0; j < N; ++j) {
     double pivot = D(j, j);
+#pragma GCC unroll 6
     for (int k = 0; k < j; ++k) pivot -= D(j, k) * (D(j, k) * D(k, k));
     if (!(pivot > kRoundOffOfPivot * D(j, j))) return false;
     D(j, j) = pivot;
+#pragma GCC unroll 6
     for (int i = j + 1; i < N; ++i) {
       double entry = D(i, j);
+#pragma GCC unroll 6
       for (int k = 0; k < j; ++k) entry -= D(i, k) * (D(j, k) * D(k, k));
       D(i, j) = entry / pivot;
     }
@@ -33,7 +37,9 @@ template <int N>
 /// L^-1 x in place of the first N numbers of x, L lower triangular with ones on its diagonal.
 template <int N, class Vector>
 [[gnu::always_inline]] inline void substitute_forward(const Mat6& L, Vector& x) {
+#pragma GCC unroll 6
   for (int i = 1; i < N; ++i) {
+#pragma GCC unroll 6
     for (int k = 0; k < i; ++k) x(i) -= L(i, k) * x(k);
   }
 }
@@ -41,7 +47,9 @@ template <int N, class Vector>
 /// L^-T x in place of x.
 template <int N, class Vector>
 [[gnu::always_inline]] inline void substitute_backward(const Mat6& L, Vector& x) {
+#pragma GCC unroll 6
   for (int i = N - 2; i >= 0; --i) {
+#pragma GCC unroll 6
     for (int k = i + 1; k < N; ++k) x(i) -= L(k, i) * x(k);
   }
 }
@@ -49,7 +57,9 @@ template <int N, class Vector>
 /// U L^-T in place of the first N columns of U.
 template <int N>
 [[gnu::always_inline]] inline void divide_by_transpose(const Mat6& L, Mat6& U) {
+#pragma GCC unroll 6
   for (int i = 1; i < N; ++i) {
+#pragma GCC unroll 6
     for (int k = 0; k < i; ++k) U.col(i) -= L(i, k) * U.col(k);
   }
 }
@@ -89,6 +99,7 @@ template <bool kOnlyTurns>
 template <int N, class Factors>
 [[gnu::always_inline]] inline Vec6 combination(const Mat6& columns, const Factors& factors) {
   Vec6 sum = columns.col(0) * factors(0);
+#pragma GCC unroll 6
   for (int k = 1; k < N; ++k) sum += columns.col(k) * factors(k);
   return sum;
 }
@@ -98,6 +109,7 @@ template <int N>
 [[gnu::always_inline]] inline void take_off_products(const Mat6& I, const Mat6& V, const Mat6& W, Mat6& rest) {
   const auto two_rows = [&](int row, int column) {
     Pair sum = load_pair(V.data() + row) * W(column, 0);
+#pragma GCC unroll 6
     for (int k = 1; k < N; ++k) sum += load_pair(V.data() + 6 * k + row) * W(column, k);
     store_pair(load_pair(I.data() + 6 * column + row) - sum, rest.data() + 6 * column + row);
   };

@@ -78,12 +78,15 @@ void TreeAccelerations::solve_rigid(const ArticulatedInertias& tree, LinkIndex l
   // Apart, so that a joint which does not pass an acceleration leaves nothing of it.
   Vec6 by_forces;
   Vec6 by_reference;
+#pragma GCC unroll 6
   for (int i = 0; i < N; ++i) by_forces(i) = links_[l].uhat(i) / link.root(i);
+#pragma GCC unroll 6
   for (int i = 0; i < N; ++i) by_reference(i) = link.W.col(i).dot(A0);
   substitute_backward<N>(link.L, by_forces);
   substitute_backward<N>(link.L, by_reference);
   const Mat6& H = tree.free_columns(l);
   links_[l].Vdot = (A0 - combination<N>(H, by_reference)) + (tree.given_acceleration(l) + combination<N>(H, by_forces));
+#pragma GCC unroll 6
   for (int k = 0; k < N; ++k) udot_(link.free[k]) = by_forces(k) - by_reference(k);
 }
 
