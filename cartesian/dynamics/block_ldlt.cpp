@@ -64,9 +64,14 @@ int BlockLdlt::find(int row, int column) const {
 
 /// In stores of their own: what g++ makes of setZero() here begins slowly.
 void BlockLdlt::set_zero() {
-  for (Mat6& block : blocks_) {
+  const auto clear = [this](int place) {
+    double* numbers = blocks_[place].data();
 #pragma GCC unroll 18
-    for (int k = 0; k < 36; k += 2) store_two(Two{}, block.data() + k);
+    for (int k = 0; k < 36; k += 2) store_two(Two{}, numbers + k);
+  };
+  for (int k = 0; k < size(); ++k) {
+    clear(k);
+    for (const Below& below : below_[k]) clear(below.place);
   }
 }
 
