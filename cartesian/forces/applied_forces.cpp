@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "cartesian/bodies/euler_parameters.h"
@@ -215,14 +216,30 @@ ElementWrenches AppliedForces::element(ElementIndex e) const {
   return wrenches;
 }
 
-std::vector<SpringLine> AppliedForces::spring_lines(double t) const {
-  std::vector<SpringLine> lines;
+template <class Visit>
+void AppliedForces::each_line_spring(const Visit& visit) const {
   for (const AppliedForce& applied : applied_forces_) {
     const ForceElement* element = element_of(applied);
     const auto* spring = element != nullptr ? std::get_if<LineSpring>(&element->what) : nullptr;
-    if (spring != nullptr) lines.push_back(line_of(*spring, element->name, applied, t));
+    if (spring != nullptr) visit(element->name, *spring, applied);
   }
+}
+
+std::vector<SpringLine> AppliedForces::spring_lines(double t) const {
+  std::vector<SpringLine> lines;
+  each_line_spring([&](const std::string& name, const LineSpring& spring, const AppliedForce& applied) {
+    lines.push_back(line_of(spring, name, applied, t));
+  });
   return lines;
+}
+
+double AppliedForces::fastest_line_rate() const {
+  double fastest = 0.0;
+  each_line_spring([&](const std::string& /*name*/, const LineSpring& /*spring*/, const AppliedForce& applied) {
+    const double speed = (applied.child().velocity - applied.parent().velocity).norm();
+    fastest = std::max(fastest, speed / (applied.child().point - applied.parent().point).norm());
+  });
+  return fastest;
 }
 
 RegimesOfAll AppliedForces::regimes() const {

@@ -69,6 +69,8 @@ class AppliedForces {
 
   /// The line springs as they lie at the last update, which was at time t, in the order of the model.
   [[nodiscard]] std::vector<SpringLine> spring_lines(double t) const;
+  /// How fast one of them turns or changes its length at most there, as a part of its length [1/s].
+  [[nodiscard]] double fastest_line_rate() const;
 
   /// Joint coordinates (by joint) from which the turns of sprung angles are counted: at most half a turn away.
   void count_turns_from(const std::vector<VecX>& q);
@@ -92,6 +94,9 @@ class AppliedForces {
   void make_end(const Attachment& end, Side side, AppliedForce& applied) const;
   /// The element whose force an applied force is; nullptr for springs of a joint.
   [[nodiscard]] const ForceElement* element_of(const AppliedForce& applied) const;
+  /// Calls visit(name, spring, its applied force) for each line spring.
+  template <class Visit>
+  void each_line_spring(const Visit& visit) const;
   [[nodiscard]] ForceInstant instant_of(const ForceElement& element, const Mat3& A_child, double t) const;
   void place_end(AppliedForce& applied, Side side, const Mat3& A, const Eigen::Ref<const VecX>& q,
                  const Eigen::Ref<const VecX>& Y) const;

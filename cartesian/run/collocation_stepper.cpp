@@ -28,9 +28,12 @@ constexpr double kSafety = 0.85;
 constexpr double kUsualContraction = 0.1;
 
 /// Parts of a step that are looked at one by one: a fast motion may make half a turn in a step, and where the ends of a
-/// line spring touch, a cubic must tell.
+/// line spring may touch, a cubic must tell.
 constexpr int kParts = 4;
 constexpr int kPartsForLines = 16;
+/// Changes of a line spring's line in a step, as a part of its length, in which its ends cannot meet. Where they do,
+/// the change at the rate of the nearest point is as many times larger as that point is nearer than the step is long.
+constexpr double kLineStays = 1.0;
 
 class CollocationStepper : public Stepper {
  public:
@@ -39,7 +42,6 @@ class CollocationStepper : public Stepper {
         n_q_(equations_.layout().n_q()),
         n_Y_(equations_.layout().n_Y()),
         until_(tolerance.until),
-        parts_(equations_.applied().spring_lines(0.0).empty() ? kParts : kPartsForLines),
         tolerances_(dynamics, start, tolerance),
         end_(start),
         interpolated_(start),
@@ -119,7 +121,9 @@ class CollocationStepper : public Stepper {
     dynamics_.project(*nearby_, t, motion_.q, motion_.Y);
   }
 
-  [[nodiscard]] int parts_of_step() const override { return parts_; }
+  [[nodiscard]] int parts_of_step() const override {
+    return line_rate_ * length_ < kLineStays ? kParts : kPartsForLines;
+  }
   [[nodiscard]] bool remembers_multipliers() const override { return false; }
 
   void restart(double t) override {
@@ -200,10 +204,12 @@ class CollocationStepper : public Stepper {
 
   /// The first sweep, which foretells the rates at later points from those at earlier ones.
   bool predict_points() {
+    line_rate_ = 0.0;
     for (int m = 0; m < kPoints; ++m) {
       predictor_.predict(m, last_, now_);
       main_.write_state(m, now_, y_);
       if (!evaluate(started_ + gauss_rule().points[m] * length_, y_)) return false;
+      line_rate_ = std::max(line_rate_, equations_.applied().fastest_line_rate());
       main_.keep_rates(m, y_, ydot_, now_);
       predictor_.learn(m, last_, now_, main_, weights_);
     }
@@ -308,7 +314,6 @@ class CollocationStepper : public Stepper {
   Eigen::Index n_q_;
   Eigen::Index n_Y_;
   double until_;
-  int parts_;
   StepTolerances tolerances_;
   MotionState end_;
   MotionState interpolated_;
@@ -324,6 +329,7 @@ class CollocationStepper : public Stepper {
   bool is_new_ = true;                // no step has been made since the start
   double started_ = 0.0;              // the last step, at
   double length_ = 0.0;               // and its length
+  double line_rate_ = 0.0;            // the fastest of a line spring at its points
   double last_start_ = 0.0;
   double next_ = 0.0;  // length to try next; 0: none is known
   double growth_ = kGrowthAtStart;

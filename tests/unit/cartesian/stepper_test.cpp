@@ -1,5 +1,6 @@
 #include "cartesian/run/stepper.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <memory>
 
 #include "common/joints/catalogue.h"
+#include "common/reading/model_file.h"
 #include "machines.h"
 
 namespace concord::cartesian {
@@ -117,6 +119,52 @@ TEST(Stepper, ManyStopsInARowMoveTheMotionWithTheTime) {
   }
   const double moved = (stepper->motion().q - before.q).norm();
   EXPECT_GT(moved, 0.5 * (reached - begin)) << "at rates of 1.3 and 1.0 of Euler parameters";
+}
+
+/// The most looks at one step of a block that swings on a slide, past the end of its spring `beside` the slide.
+int most_looks(double beside) {
+  const Model model = parse_model(fmt::format(R"toml(format = 1
+[[body]]
+name = "block"
+mass = 1.3
+inertia = [0.01, 0.012, 0.014]
+[[joint]]
+name = "slide"
+type = "translational"
+parent = "ground"
+child = "block"
+[[line_spring]]
+name = "cord"
+parent = {{ body = "ground", point = [{}, 0, 0] }}
+child = "block"
+stiffness = 40
+free = 0
+[run]
+until = 2
+)toml",
+                                              beside),
+                                  "block.toml");
+  Equations equations(model);
+  Dynamics dynamics(equations);
+  MotionState start{VecX::Zero(7), VecX::Zero(6), 0.0};
+  start.q(2) = 0.4;
+  start.q(3) = 1.0;
+  const auto stepper = make_collocation_stepper(dynamics, start, {1e-11, 2.0});
+  int most = 0;
+  int looks = 0;
+  for (double reached = 0.0; reached < 2.0;) {
+    reached = stepper->step(2.0, 2.0);
+    ++looks;
+    if (stepper->is_within_step()) continue;
+    most = std::max(most, looks);
+    looks = 0;
+  }
+  return most;
+}
+
+TEST(Stepper, LooksCloselyWhereALineMayVanish) {
+  EXPECT_EQ(most_looks(10.0), 4);
+  EXPECT_EQ(most_looks(1e-6), 16);
 }
 
 TEST(Stepper, IdaConvergesToTheSameMotion) {
