@@ -24,7 +24,7 @@ constexpr int kMostSweeps = 10;
 constexpr double kGrowth = 1.2;
 constexpr double kGrowthAtStart = 10.0;
 constexpr double kSafety = 0.85;
-/// Of changes from sweep to sweep, until it is known.
+/// Of changes from sweep to sweep, where they are too small to tell.
 constexpr double kUsualContraction = 0.1;
 
 /// Parts of a step that are looked at one by one: a fast motion may make half a turn in a step, and where the ends of a
@@ -53,7 +53,7 @@ class CollocationStepper : public Stepper {
         aside_(main_.make_points()),
         predictor_(main_.size(), now_.a.rows()) {
     y0_ = y_ = ydot_ = weights_ = before_ = high_ = VecX::Zero(main_.size());
-    of_ydot_ = MatX::Zero(main_.size(), kPoints);
+    visited_ = of_ydot_ = MatX::Zero(main_.size(), kPoints);
     of_g_ = MatX::Zero(now_.g.rows(), kPoints);
   }
 
@@ -146,7 +146,6 @@ class CollocationStepper : public Stepper {
     const double first = change > 0.0 ? kPart * std::max(norm(y0_), kLeastSize) / change : HUGE_VAL;
     next_ = next_ > 0.0 ? kAfterBreak * next_ : std::min(first, kPart * (limit - started_));
     growth_ = kGrowthAtStart;
-    contraction_ = kUsualContraction;
   }
 
   void guess_constant_rates() {
@@ -195,6 +194,7 @@ class CollocationStepper : public Stepper {
   bool sweep_points(Collocation& step, double length, PointRates& rates) {
     for (int m = 0; m < kPoints; ++m) {
       step.write_state(m, rates, y_);
+      visited_.col(m) = y_;
       if (!evaluate(started_ + gauss_rule().points[m] * length, y_)) return false;
       step.keep_rates(m, y_, ydot_, rates);
     }
@@ -208,14 +208,25 @@ class CollocationStepper : public Stepper {
     for (int m = 0; m < kPoints; ++m) {
       predictor_.predict(m, last_, now_);
       main_.write_state(m, now_, y_);
+      visited_.col(m) = y_;
       if (!evaluate(started_ + gauss_rule().points[m] * length_, y_)) return false;
       line_rate_ = std::max(line_rate_, equations_.applied().fastest_line_rate());
       main_.keep_rates(m, y_, ydot_, now_);
       predictor_.learn(m, last_, now_, main_, weights_);
     }
     predictor_.choose();
-    main_.write_state(kPoints, now_, y_);
     return true;
+  }
+
+  /// By how much the solution at the points has moved from where their rates were found, in tolerances: what the next
+  /// sweep changes.
+  double open_at_points() {
+    double largest = 0.0;
+    for (int m = 0; m < kPoints; ++m) {
+      main_.write_state(m, now_, y_);
+      largest = std::max(largest, norm(y_ - visited_.col(m)));
+    }
+    return largest;
   }
 
   /// Whether what further sweeps would change of the end is small, when the last one has changed it by so many
@@ -231,25 +242,26 @@ class CollocationStepper : public Stepper {
   bool try_step() {
     constexpr double kHopeless = 1e6;  // tolerances
     constexpr double kDivergence = 0.8;
+    constexpr double kMeasurable = 1.0;  // tolerances
     failure_ = nullptr;
+    contraction_ = kUsualContraction;
     if (!predict_points()) return shorten(0.1);
     if (error_of_step() > kHopeless) return shorten(0.3);
-    double contraction = contraction_;
-    double change_before = HUGE_VAL;
+    double open_before = open_at_points();
     int sweeps = 1;
     for (;;) {
-      before_ = y_;
+      main_.write_state(kPoints, now_, before_);
       if (!sweep_points(main_, length_, now_)) return shorten(0.1);
       ++sweeps;
-      const double change = norm(y_ - before_);
-      if (sweeps > 2) contraction = change / change_before;
-      if (has_converged(change, contraction)) break;
-      if (!(contraction < kDivergence) || sweeps == kMostSweeps) return shorten(0.5);
-      change_before = change;
+      const double open = open_at_points();
+      if (open_before > kMeasurable) contraction_ = open / open_before;
+      main_.write_state(kPoints, now_, y_);
+      if (has_converged(norm(y_ - before_), contraction_)) break;
+      if (!(contraction_ < kDivergence) || sweeps == kMostSweeps) return shorten(0.5);
+      open_before = open;
     }
     const double error = error_of_step();
     if (!(error <= 1.0)) return shorten(std::clamp(0.9 * std::pow(error, -1.0 / 12.0), 0.2, 0.9));
-    contraction_ = std::clamp(sweeps > 2 ? contraction : 0.7 * contraction_, 1e-3, 0.5);
     lengthen(error, sweeps);
     return true;
   }
@@ -333,7 +345,7 @@ class CollocationStepper : public Stepper {
   double last_start_ = 0.0;
   double next_ = 0.0;  // length to try next; 0: none is known
   double growth_ = kGrowthAtStart;
-  double contraction_ = kUsualContraction;  // of changes from sweep to sweep
+  double contraction_ = kUsualContraction;  // of changes at the points from sweep to sweep
   int since_renewed_ = 0;
   VecX y0_;
   VecX ydot0_;
@@ -342,6 +354,7 @@ class CollocationStepper : public Stepper {
   VecX weights_;  // 1 / tolerance
   VecX before_;   // the solution at the end, before the last sweep
   VecX high_;
+  MatX visited_;  // the solution at the points, where their rates were found
   MatX of_ydot_;  // Legendre coefficients
   MatX of_g_;
 };

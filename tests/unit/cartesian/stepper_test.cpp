@@ -7,7 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <vector>
 
+#include "cartesian/solver.h"
 #include "common/joints/catalogue.h"
 #include "common/reading/model_file.h"
 #include "machines.h"
@@ -165,6 +167,36 @@ until = 2
 TEST(Stepper, LooksCloselyWhereALineMayVanish) {
   EXPECT_EQ(most_looks(10.0), 4);
   EXPECT_EQ(most_looks(1e-6), 16);
+}
+
+/// What sweeps leave of the motion, where they converge slowly, does not grow from step to step.
+TEST(Stepper, SweepsConvergeBesideStiffModes) {
+  const Model model = read_model(CONCORD_DATA "/models/slider_crank_spatial_flexible.toml");
+  const auto solver = make_solver(model);
+  const auto run_at = [&](double rtol) {
+    RunOptions options;
+    options.until = 0.3;
+    options.samples = 80;
+    options.rtol = rtol;
+    return solver->integrate(options, {});
+  };
+  const Trajectory exact = run_at(1e-11);
+  const std::vector<double> tolerances = {2e-8, 1.6e-8, 1.2e-8, 1e-8};
+  double digits = 0.0;
+  for (const double rtol : tolerances) {
+    const Trajectory loose = run_at(rtol);
+    double worst = 0.0;
+    double largest = 0.0;
+    for (std::size_t k = 0; k < exact.samples.size(); ++k) {
+      for (std::size_t body = 0; body < exact.samples[k].state.bodies.size(); ++body) {
+        const VecX& rates = exact.samples[k].state.bodies[body].adot;
+        worst = std::max(worst, (loose.samples[k].state.bodies[body].adot - rates).norm());
+        largest = std::max(largest, rates.norm());
+      }
+    }
+    digits -= std::log10(worst / largest) / static_cast<double>(tolerances.size());
+  }
+  EXPECT_GT(digits, 9.1);
 }
 
 TEST(Stepper, IdaConvergesToTheSameMotion) {
