@@ -14,7 +14,8 @@ namespace concord::cartesian {
 Dynamics::Dynamics(Equations& equations)
     : equations_(equations),
       matrix_(equations),
-      elimination_(equations, modal_masses(equations)),
+      places_{{InertiaElimination(equations, modal_masses(equations)), {}}},
+      elimination_(&places_.front().elimination),
       projection_(equations),
       gamma_(VecX::Zero(equations.constraints().n_rows())),
       right_side_(VecX::Zero(equations.layout().n_Y() + gamma_.size())),
@@ -30,7 +31,10 @@ void Dynamics::use_rows(const std::vector<bool>& active) {
   if (active == active_) return;
   active_ = active;
   matrix_.use_rows(active);
-  elimination_.use_rows(active);
+  for (Place& place : places_) {
+    place.elimination.use_rows(active);
+    place.is_known = false;
+  }
   is_eliminated_ = false;
   projection_.use_rows(active);
   has_new_rows_ = true;
@@ -82,19 +86,30 @@ constexpr double kWorse = 2.0;
 }  // namespace
 
 bool Dynamics::solve_by_elimination() {
-  is_eliminated_ = elimination_.factor(equations_);
+  is_eliminated_ = elimination_->factor(equations_);
   if (!is_eliminated_) return false;
   unknowns_ = right_side_;
-  elimination_.solve(unknowns_);
-  measure_least_unknowns();
+  elimination_->solve(unknowns_);
   if (refinement_ != Refinement::exact) {
-    const double residual = elimination_.largest_residual(right_side_, unknowns_, least_unknowns_);
+    const double residual = elimination_->largest_residual(right_side_, unknowns_, least_unknowns_);
     if (residual <= kRoundOff && refinement_ == Refinement::none) return true;
-    elimination_.correct(unknowns_);
+    elimination_->correct(unknowns_);
     if (residual <= kGoodEnough) return true;
   }
   matrix_.fill(equations_);
-  return matrix_.lu().improve(right_side_, unknowns_, [this](VecX& rest) { elimination_.solve(rest); });
+  return matrix_.lu().improve(right_side_, unknowns_, [this](VecX& rest) { elimination_->solve(rest); });
+}
+
+/// What has changed since a state nearby is so little that the factors from there tell it.
+bool Dynamics::solve_by_factors_of(const Place& near) {
+  constexpr double kLittle = 1e-10;  // of the sizes of terms; the factors miss about as small a part of it
+  if (!near.is_known || refinement_ == Refinement::exact) return false;
+  unknowns_ = near.unknowns;
+  elimination_->read(equations_);
+  if (!(elimination_->largest_residual(right_side_, unknowns_, least_unknowns_) <= kLittle)) return false;
+  elimination_->correct(unknowns_);
+  is_eliminated_ = true;
+  return true;
 }
 
 /// With pivots chosen at another state.
@@ -105,14 +120,15 @@ bool Dynamics::solve_by_whole_matrix() {
   if (!lu.refactor()) return false;
   unknowns_ = right_side_;
   if (refinement_ != Refinement::none) return lu.solve_refined(unknowns_, 0.0);
-  measure_least_unknowns();
   return lu.solve_equation_by_equation(unknowns_, kRoundOff, least_unknowns_);
 }
 
-bool Dynamics::factor_and_solve(Pivots pivots) {
+bool Dynamics::factor_and_solve(Pivots pivots, const Place* near) {
   write_right_side();
   if (pivots == Pivots::kept && !has_new_rows_) {
-    if ((eliminates_ && solve_by_elimination()) || solve_by_whole_matrix()) return true;
+    measure_least_unknowns();
+    if (eliminates_ && ((near != nullptr && solve_by_factors_of(*near)) || solve_by_elimination())) return true;
+    if (solve_by_whole_matrix()) return true;
   }
   SparseLu& lu = matrix_.lu();
   is_eliminated_ = false;
@@ -143,9 +159,9 @@ void Dynamics::judge_elimination() {
   const bool magnifies = loses_more_than(kMagnified, lu.relative_correction(), lu.first_correction());
   refinement_ = magnifies ? Refinement::exact : Refinement::none;
   eliminates_ = is_eliminated_ = false;
-  if (!elimination_.factor(equations_)) return;
+  if (!elimination_->factor(equations_)) return;
   trial_ = right_side_;
-  elimination_.solve(trial_);
+  elimination_->solve(trial_);
   const auto departs_by_more_than = [&](double part) {
     error_ = trial_ - unknowns_;
     return loses_more_than(part, lu.relative_size(error_, unknowns_), error_);
@@ -154,14 +170,19 @@ void Dynamics::judge_elimination() {
   eliminates_ = is_eliminated_ = true;
   refinement_ = Refinement::none;
   if (!departs_by_more_than(kMagnified)) return;
-  (void)elimination_.largest_residual(right_side_, trial_, least_unknowns_);
-  elimination_.correct(trial_);
+  (void)elimination_->largest_residual(right_side_, trial_, least_unknowns_);
+  elimination_->correct(trial_);
   refinement_ = departs_by_more_than(kMagnified) ? Refinement::exact : Refinement::rough;
 }
 
 const Solution& Dynamics::solve(Pivots pivots) {
+  elimination_ = &places_.front().elimination;
+  return solve(pivots, nullptr);
+}
+
+const Solution& Dynamics::solve(Pivots pivots, const Place* near) {
   equations_.moving_constraints().write_gamma(equations_.time(), gamma_);
-  if (!factor_and_solve(pivots)) {
+  if (!factor_and_solve(pivots, near)) {
     throw SingularPose(fmt::format(
         "cartesian: at t = {:.6g} s the equations of motion are singular: the machine is in a singular pose, a body "
         "can move without inertia, or inertias lie too far apart for double precision",
@@ -178,11 +199,29 @@ const Solution& Dynamics::solve_at(double t, const Eigen::Ref<const VecX>& q, co
   return solve(pivots);
 }
 
+void Dynamics::keep_places(int n) {
+  places_.reserve(1 + n);
+  while (static_cast<int>(places_.size()) < 1 + n) places_.push_back(places_.front());
+  elimination_ = &places_.front().elimination;
+  is_eliminated_ = false;
+}
+
+const Solution& Dynamics::solve_at_place(int number, bool again, double t, const Eigen::Ref<const VecX>& q,
+                                         const Eigen::Ref<const VecX>& Y) {
+  equations_.update(t, q, Y);
+  Place& place = places_[1 + number];
+  elimination_ = &place.elimination;
+  const Solution& solution = solve(Pivots::kept, again ? &place : nullptr);
+  place.unknowns = unknowns_;
+  place.is_known = is_eliminated_;
+  return solution;
+}
+
 void Dynamics::accelerate(const Eigen::Ref<const VecX>& forces, Eigen::Ref<VecX> accelerations) {
   unknowns_.setZero();
   unknowns_.head(forces.size()) = forces;
   if (is_eliminated_) {
-    elimination_.solve(unknowns_);
+    elimination_->solve(unknowns_);
   } else {
     matrix_.lu().solve(unknowns_);
   }
@@ -221,7 +260,7 @@ std::optional<RowIndex> Dynamics::contradicted_row(const Solution& solution) {
 }
 
 const RoundOffShares& Dynamics::project(const Solution& /*nearby*/, double t, Eigen::Ref<VecX> q, Eigen::Ref<VecX> Y) {
-  return projection_.project(equations_, {matrix_.lu(), is_eliminated_ ? &elimination_ : nullptr}, t, q, Y);
+  return projection_.project(equations_, {matrix_.lu(), is_eliminated_ ? elimination_ : nullptr}, t, q, Y);
 }
 
 }  // namespace concord::cartesian

@@ -40,6 +40,8 @@ class Dynamics {  // (C40)
  public:
   /// The equations must outlive this object.
   explicit Dynamics(Equations& equations);
+  Dynamics(const Dynamics&) = delete;
+  Dynamics& operator=(const Dynamics&) = delete;
 
   [[nodiscard]] const Equations& equations() const { return equations_; }
   [[nodiscard]] Equations& equations() { return equations_; }
@@ -60,6 +62,13 @@ class Dynamics {  // (C40)
   /// Updates the equations first.
   const Solution& solve_at(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y, Pivots pivots);
 
+  /// So many states near which solutions are kept with their factors.
+  void keep_places(int n);
+  /// As solve_at with kept pivots, at one of these places; `again`: next to the last state there, so that its factors
+  /// tell what has changed since.
+  const Solution& solve_at_place(int place, bool again, double t, const Eigen::Ref<const VecX>& q,
+                                 const Eigen::Ref<const VecX>& Y);
+
   /// Accelerations that generalized forces (n_Y rows) cause by themselves at the last solution, as joints let them.
   void accelerate(const Eigen::Ref<const VecX>& forces, Eigen::Ref<VecX> accelerations);
   /// Whether the inertias are eliminated between steps, as the last solution with fresh pivots found it good.
@@ -74,9 +83,18 @@ class Dynamics {  // (C40)
   [[nodiscard]] double velocity_residual_left() const { return projection_.velocity_residual_left(); }
 
  private:
+  /// A solution by elimination, with factors of its own.
+  struct Place {
+    InertiaElimination elimination;
+    VecX unknowns;
+    bool is_known = false;
+  };
+
   void write_right_side();
-  [[nodiscard]] bool factor_and_solve(Pivots pivots);
+  const Solution& solve(Pivots pivots, const Place* near);
+  [[nodiscard]] bool factor_and_solve(Pivots pivots, const Place* near);
   [[nodiscard]] bool solve_by_elimination();
+  [[nodiscard]] bool solve_by_factors_of(const Place& near);
   [[nodiscard]] bool solve_by_whole_matrix();
   [[nodiscard]] bool solve_with_last_pivots();
   void measure_least_unknowns();
@@ -85,7 +103,8 @@ class Dynamics {  // (C40)
 
   Equations& equations_;
   AugmentedMatrix matrix_;
-  InertiaElimination elimination_;
+  std::vector<Place> places_;        // the first for solutions anywhere
+  InertiaElimination* elimination_;  // of the last solution
   Projection projection_;
   std::vector<bool> active_;    // by constraint row
   bool has_new_rows_ = true;    // since the last factorization

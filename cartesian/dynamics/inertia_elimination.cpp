@@ -141,6 +141,13 @@ bool InertiaElimination::factor(const Equations& equations) {
   return H_.factor(kLeastPivot);
 }
 
+void InertiaElimination::read(const Equations& equations) {
+  for (Part& part : parts_) {
+    equations.write_rigid_rows(part.body, part.M);
+    for (Leg& leg : legs_of(part)) read_rows(equations, leg);
+  }
+}
+
 bool InertiaElimination::factor_inertia(const Equations& equations, Part& part) {  // (C65)
   if (!part.has_regular_modes) return false;
   equations.write_rigid_rows(part.body, part.M);

@@ -24,6 +24,8 @@ class InertiaElimination {
   /// Factorizes what the equations are at their last update. False where a body's inertia or the rows in use are
   /// singular, or so nearly that few digits are left.
   [[nodiscard]] bool factor(const Equations& equations);
+  /// Reads what residuals are taken of at the last update of the equations, and keeps the factors.
+  void read(const Equations& equations);
   /// Solves in place: [f; gamma] becomes [Ydot; lambda], zero for rows that take no part.
   void solve(VecX& x);
   /// The largest residual of an equation, in double precision, as a part of the sizes of its terms; in these no

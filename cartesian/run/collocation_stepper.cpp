@@ -52,6 +52,7 @@ class CollocationStepper : public Stepper {
         last_(main_.make_points()),
         aside_(main_.make_points()),
         predictor_(main_.size(), now_.a.rows()) {
+    dynamics_.keep_places(kPoints);
     y0_ = y_ = ydot_ = weights_ = before_ = high_ = VecX::Zero(main_.size());
     visited_ = of_ydot_ = MatX::Zero(main_.size(), kPoints);
     of_g_ = MatX::Zero(now_.g.rows(), kPoints);
@@ -114,7 +115,7 @@ class CollocationStepper : public Stepper {
     beside_.write_state(kPoints, aside_, y_);
     for (int sweep = 1; sweep <= kMostSweeps; ++sweep) {
       before_ = y_;
-      if (!sweep_points(beside_, length, aside_)) give_up("equations of motion cannot be evaluated");
+      if (!sweep_points(beside_, length, sweep > 1, aside_)) give_up("equations of motion cannot be evaluated");
       if (has_converged(norm(y_ - before_), contraction_)) break;
     }
     read(y_, motion_);
@@ -139,7 +140,7 @@ class CollocationStepper : public Stepper {
     constexpr double kLeastSize = 1e3;  // in tolerances
     constexpr double kAfterBreak = 0.25;
     predictor_.forget();
-    if (!evaluate(started_, y0_)) give_up("the equations of motion cannot be evaluated");
+    if (!evaluate(0, false, started_, y0_)) give_up("the equations of motion cannot be evaluated");
     ydot0_ = ydot_;
     renew_vibrations();
     const double change = norm(ydot0_);
@@ -171,13 +172,14 @@ class CollocationStepper : public Stepper {
     return difference.cwiseProduct(weights_).cwiseAbs().maxCoeff();
   }
 
-  bool evaluate(double t, const VecX& y) {
+  /// At one of the points, where `again` says whether this step has been there before.
+  bool evaluate(int place, bool again, double t, const VecX& y) {
     if (!y.allFinite()) return false;
     try {
       ++evaluations_;
       const auto q = y.head(n_q_);
       const auto Y = y.segment(n_q_, n_Y_);
-      const Solution& solution = dynamics_.solve_at(t, q, Y, Pivots::kept);
+      const Solution& solution = dynamics_.solve_at_place(place, again, t, q, Y);
       nearby_ = &solution;
       equations_.layout().write_qdot(q, Y, ydot_.head(n_q_));
       ydot_.segment(n_q_, n_Y_) = solution.Ydot();
@@ -191,11 +193,11 @@ class CollocationStepper : public Stepper {
 
   /// Finds the rates at each point anew from those at all points, later ones as they were before. Then y_ is the
   /// solution at the end.
-  bool sweep_points(Collocation& step, double length, PointRates& rates) {
+  bool sweep_points(Collocation& step, double length, bool again, PointRates& rates) {
     for (int m = 0; m < kPoints; ++m) {
       step.write_state(m, rates, y_);
       visited_.col(m) = y_;
-      if (!evaluate(started_ + gauss_rule().points[m] * length, y_)) return false;
+      if (!evaluate(m, again, started_ + gauss_rule().points[m] * length, y_)) return false;
       step.keep_rates(m, y_, ydot_, rates);
     }
     step.write_state(kPoints, rates, y_);
@@ -209,7 +211,7 @@ class CollocationStepper : public Stepper {
       predictor_.predict(m, last_, now_);
       main_.write_state(m, now_, y_);
       visited_.col(m) = y_;
-      if (!evaluate(started_ + gauss_rule().points[m] * length_, y_)) return false;
+      if (!evaluate(m, false, started_ + gauss_rule().points[m] * length_, y_)) return false;
       line_rate_ = std::max(line_rate_, equations_.applied().fastest_line_rate());
       main_.keep_rates(m, y_, ydot_, now_);
       predictor_.learn(m, last_, now_, main_, weights_);
@@ -251,7 +253,7 @@ class CollocationStepper : public Stepper {
     int sweeps = 1;
     for (;;) {
       main_.write_state(kPoints, now_, before_);
-      if (!sweep_points(main_, length_, now_)) return shorten(0.1);
+      if (!sweep_points(main_, length_, true, now_)) return shorten(0.1);
       ++sweeps;
       const double open = open_at_points();
       if (open_before > kMeasurable) contraction_ = open / open_before;

@@ -184,6 +184,29 @@ TEST(InertiaElimination, TellsABodyWithoutInertiaAboutAnAxis) {
   EXPECT_FALSE(machine.eliminates());
 }
 
+/// Factors from a state nearby tell what has changed since; from one far away they are not used.
+TEST(InertiaElimination, SolvesNextToAKnownStateToRoundOff) {
+  const Model model = random_machine(36, 7, 2);
+  Equations equations(model);
+  Dynamics dynamics(equations);
+  dynamics.keep_places(3);
+  Numbers numbers(37);
+  VecX q = numbers.matrix(equations.layout().n_q(), 1, 0.4);
+  equations.layout().normalize(q);
+  const VecX Y = numbers.matrix(equations.layout().n_Y(), 1, 1.5);
+  const VecX first = dynamics.solve_at(0.0, q, Y, Pivots::fresh).Ydot();
+  ASSERT_TRUE(dynamics.eliminates_inertias());
+  for (const double part : {1e-13, 1e-12, 1e-11, 1e-10, 1e-8, 1e-4, 1e-2}) {
+    (void)dynamics.solve_at_place(2, false, 0.0, q, Y);
+    VecX aside = q + part * numbers.matrix(q.size(), 1);
+    equations.layout().normalize(aside);
+    const VecX found = dynamics.solve_at_place(2, true, 0.0, aside, Y).Ydot();
+    const VecX exact = dynamics.solve_at(0.0, aside, Y, Pivots::fresh).Ydot();
+    EXPECT_LT((found - exact).norm(), 1e-13 * exact.norm()) << part;
+    if (part >= 1e-11) EXPECT_GT((first - exact).norm(), 1e-12 * exact.norm()) << part;
+  }
+}
+
 /// However light the link is, down to nothing, an evaluation between steps has the digits of one that is refined: its
 /// body stays in the whole matrix where elimination cannot bear it.
 TEST(InertiaElimination, LeavesALightOrMasslessBodyToTheWholeMatrix) {
