@@ -197,7 +197,7 @@ class Run {
   }
 
   void close_at_output(double t) {
-    const Solution& solution = dynamics_.solve_at(t, motion_.q, motion_.Y, Pivots::fresh);
+    const Solution& solution = dynamics_.solve_at(t, motion_.q, motion_.Y, Pivots::kept);
     shares_ = dynamics_.project(solution, t, motion_.q, motion_.Y);
     if (machine_.generic < equations_.constraints().n_rows()) close_all_rows(t);
   }
