@@ -18,6 +18,8 @@ constexpr int kMostIterations = 60;
 constexpr int kFewRows = 16;
 constexpr double kFarthestStep = 0.5;  // in machine units: half a radian, half the length, unless rows are straight
 constexpr double kFarFromDependent = 1e-4;  // smallest singular value of rows that need no filter
+constexpr double kRefinable = 1e-6;         // the same of many rows whose squares are refined
+constexpr double kSameRows = 1e-9;          // a step that changes rows by no more than this part of themselves
 constexpr double kSquaredDamping = 1e-4;    // damping whose square is far above round-off
 constexpr double kBeyondDamping = 30.0;     // times the damping, which takes a thousandth of the step there
 
@@ -27,90 +29,133 @@ Svd svd_by_rotations(const MatX& Phi) {
   return {svd.singularValues(), svd.matrixU(), svd.matrixV()};
 }
 
-/// Directions in which the rows are dependent are left alone, those with singular values below the damping hardly used,
-/// and those beyond `rank` not (R65).
-VecX filtered_step(const MatX& Phi, const VecX& misfit, double damping, std::optional<int> rank) {
-  const Svd svd = Phi.rows() <= kFewRows ? svd_by_rotations(Phi) : svd_of(Phi);
-  const VecX& sigma = svd.sigma;
-  VecX filter = VecX::Zero(sigma.size());
-  const Eigen::Index used = std::min<Eigen::Index>(sigma.size(), rank.value_or(static_cast<int>(sigma.size())));
-  for (Eigen::Index i = 0; i < used; ++i) {
-    if (sigma(i) > kDependentPart * std::max(sigma(0), 1.0))
-      filter(i) = sigma(i) / (sigma(i) * sigma(i) + damping * damping);
-  }
-  return -(svd.V.leftCols(sigma.size()) * filter.cwiseProduct(VecX(svd.U.leftCols(sigma.size()).transpose() * misfit)));
-}
-
-/// The same where the damping is so large that squares keep enough digits of it: with Phi Phi^T + mu^2 I = L L^T.
-VecX damped_step(const MatX& Phi, const VecX& misfit, double damping) {
-  MatX squares = Phi * Phi.transpose();
-  squares.diagonal().array() += damping * damping;
-  return -(Phi.transpose() * squares.llt().solve(misfit));
-}
-
-/// The same without singular values (R66), if all rows that are independent are far from dependent, and from the
-/// damping; `rank` of them are used.
-std::optional<VecX> undamped_step(const MatX& Phi, const RowRank& factors, const VecX& misfit, double damping,
-                                  int rank) {
-  const int found = factors.rank();
-  const double least = std::max(kFarFromDependent, kBeyondDamping * damping);
-  if (found == 0 || rank < found || factors.singular_value(found) <= least) return std::nullopt;
-  if (found == factors.n_rows()) return factors.smallest_step(misfit);
-  return VecX(-smallest_least_squares(Phi, misfit, kDependentPart));
-}
-
 /// A step of the tree's speeds, and whether it takes the whole misfit away to first order.
 struct Step {
   VecX u;
   bool is_whole = false;
 };
 
-Step find_step(const ScaledClosure& scaled, const Closure& closure, const std::vector<int>& columns, const VecX& misfit,
-               double damping, std::optional<int> rank) {
-  const MatX Phi = scaled.rows(closure, columns).topRows(misfit.size());
-  Step step{VecX::Zero(scaled.equations().topology().n_tree_u)};
-  if (Phi.size() == 0) return step;
-  const VecX misfit_in_units = misfit.cwiseQuotient(closure.row_units().head(misfit.size()));
-  const bool uses_all = rank.value_or(static_cast<int>(Phi.rows())) >= Phi.rows();
-  if (Phi.rows() > kFewRows && damping >= kSquaredDamping && uses_all) {
-    step.u(columns) = damped_step(Phi, misfit_in_units, damping);
-    return step;
+/// The rows of a closing in one pose, factorized once for the steps against any of their misfits (R65).
+class RowsOfPose {
+ public:
+  /// The first `n_rows` of the closure where the machine stands, of which as many are used as `rank` says. `loops`:
+  /// over the same columns, to serve where they can.
+  RowsOfPose(LoopRows* loops, const ScaledClosure& scaled, const Closure& closure, const std::vector<int>& columns,
+             Eigen::Index n_rows, double damping, std::optional<int> rank = {})
+      : columns_(columns),
+        n_tree_u_(scaled.equations().topology().n_tree_u),
+        units_(closure.row_units().head(n_rows)),
+        damping_(damping),
+        rank_(rank.value_or(static_cast<int>(n_rows))) {
+    if (loops != nullptr && n_rows == closure.n_rows() && rank_ >= n_rows) factor_by_loops(*loops);
+    if (way_ == Way::nowhere) factor(scaled.rows(closure, columns).topRows(n_rows));
   }
-  const RowRank factors(Phi);
-  const std::optional<VecX> undamped =
-      undamped_step(Phi, factors, misfit_in_units, damping, rank.value_or(factors.n_rows()));
-  step.is_whole = undamped && factors.rank() == factors.n_rows();
-  step.u(columns) = undamped ? *undamped : filtered_step(Phi, misfit_in_units, damping, rank);
-  return step;
-}
 
-/// The same loop by loop (R81), for which the rows over these columns are factorized where the machine stands.
-std::optional<VecX> step_by_loops(LoopRows& loops, const Closure& closure, std::size_t columns, const VecX& misfit,
-                                  double damping, std::optional<int> rank) {
-  if (misfit.size() < closure.n_rows() || rank.value_or(closure.n_rows()) < closure.n_rows()) return std::nullopt;
-  const double least = std::max(kFarFromDependent, kBeyondDamping * damping);
-  if (!loops.factor(VecX::Ones(static_cast<Eigen::Index>(columns))) || loops.singular_value() <= least) {
-    return std::nullopt;
+  /// Whether steps are none but those that the rows themselves ask for.
+  [[nodiscard]] bool are_undamped() const { return !is_damped_; }
+
+  [[nodiscard]] Step step(const VecX& misfit) const {
+    Step found{VecX::Zero(n_tree_u_), is_whole_};
+    if (way_ != Way::nowhere) found.u(columns_) = solve(misfit.cwiseQuotient(units_));
+    return found;
   }
-  return loops.smallest_step(misfit.cwiseQuotient(closure.row_units()));
-}
 
-/// find_step(), by loops where these serve.
-Step step_of_closing(LoopRows& loops, const ScaledClosure& scaled, const Closure& closure,
-                     const std::vector<int>& columns, const VecX& misfit, double damping,
-                     std::optional<int> rank = {}) {
-  const std::optional<VecX> by_loops = step_by_loops(loops, closure, columns.size(), misfit, damping, rank);
-  if (!by_loops) return find_step(scaled, closure, columns, misfit, damping, rank);
-  Step step{VecX::Zero(scaled.equations().topology().n_tree_u), true};
-  step.u(columns) = *by_loops;
-  return step;
-}
+ private:
+  enum class Way { nowhere, loops, refined_loops, squares, independent, least_squares, singular_values };
+
+  [[nodiscard]] bool are_many() const { return units_.size() > kFewRows; }
+  /// Singular values above this are not filtered.
+  [[nodiscard]] double least(double otherwise) const { return std::max(otherwise, kBeyondDamping * damping_); }
+
+  void factor_by_loops(LoopRows& loops) {
+    loops_ = &loops;
+    bool keeps_digits = damping_ >= kSquaredDamping;
+    if (loops.factor(VecX::Ones(static_cast<Eigen::Index>(columns_.size())))) {
+      const double sigma = loops.singular_value();
+      keeps_digits = keeps_digits || sigma > kRefinable;
+      is_whole_ = sigma > least(are_many() ? kRefinable : kFarFromDependent);
+      if (is_whole_) way_ = sigma > kFarFromDependent ? Way::loops : Way::refined_loops;
+    }
+    if (is_whole_ || !are_many() || !keeps_digits || !loops.factor_damped(damping_)) return;
+    is_damped_ = true;
+    way_ = Way::refined_loops;
+  }
+
+  void factor(MatX Phi) {
+    if (Phi.size() == 0) return;
+    Phi_ = std::move(Phi);
+    if (are_many() && damping_ >= kSquaredDamping && rank_ >= Phi_.rows()) {
+      way_ = Way::squares;
+      is_damped_ = true;
+      MatX squares = Phi_ * Phi_.transpose();
+      squares.diagonal().array() += damping_ * damping_;
+      squares_.compute(squares);
+      return;
+    }
+    factors_.compute(Phi_);
+    const int found = factors_.rank();
+    if (found > 0 && rank_ >= found && factors_.singular_value(found) > least(kFarFromDependent)) {
+      is_whole_ = found == factors_.n_rows();
+      way_ = is_whole_ ? Way::independent : Way::least_squares;
+    } else {
+      way_ = Way::singular_values;
+      is_damped_ = true;
+      svd_ = are_many() ? svd_of(Phi_) : svd_by_rotations(Phi_);
+    }
+  }
+
+  /// Misfit in the units of the rows.
+  [[nodiscard]] VecX solve(const VecX& misfit) const {
+    switch (way_) {
+      case Way::loops:
+        return loops_->smallest_step(misfit);
+      case Way::refined_loops:
+        return loops_->refined_step(misfit);
+      case Way::squares:
+        return -(Phi_.transpose() * squares_.solve(misfit));
+      case Way::independent:
+        return factors_.smallest_step(misfit);
+      case Way::least_squares:
+        return -smallest_least_squares(Phi_, misfit, kDependentPart);
+      default:
+        return filtered_step(misfit);
+    }
+  }
+
+  /// Directions in which the rows are dependent are left alone, those with singular values below the damping hardly
+  /// used, and those beyond the rank not.
+  [[nodiscard]] VecX filtered_step(const VecX& misfit) const {
+    const VecX& sigma = svd_.sigma;
+    VecX filter = VecX::Zero(sigma.size());
+    const Eigen::Index used = std::min<Eigen::Index>(sigma.size(), rank_);
+    for (Eigen::Index i = 0; i < used; ++i) {
+      if (sigma(i) > kDependentPart * std::max(sigma(0), 1.0))
+        filter(i) = sigma(i) / (sigma(i) * sigma(i) + damping_ * damping_);
+    }
+    const VecX along = svd_.U.leftCols(sigma.size()).transpose() * misfit;
+    return -(svd_.V.leftCols(sigma.size()) * filter.cwiseProduct(along));
+  }
+
+  const std::vector<int>& columns_;
+  int n_tree_u_;
+  VecX units_;
+  double damping_;
+  int rank_;
+  Way way_ = Way::nowhere;
+  bool is_whole_ = false;
+  bool is_damped_ = false;
+  LoopRows* loops_ = nullptr;
+  MatX Phi_;
+  Eigen::LLT<MatX> squares_;
+  RowRank factors_;
+  Svd svd_;
+};
 
 }  // namespace
 
 VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const std::vector<int>& columns,
                    const VecX& misfit, double damping, std::optional<int> rank) {
-  return find_step(scaled, closure, columns, misfit, damping, rank).u;
+  return RowsOfPose(nullptr, scaled, closure, columns, misfit.size(), damping, rank).step(misfit).u;
 }
 
 double measure(const ScaledClosure& scaled, Coordinates& coordinates, Closure& closure) {
@@ -217,9 +262,16 @@ bool close_positions(const ScaledClosure& scaled, Coordinates& coordinates, cons
   LoopRows loops(scaled, closure, columns);
   double residual = measure(scaled, coordinates, closure);
   Pace pace;
+  std::optional<RowsOfPose> rows;
+  double moved = HUGE_VAL;  // since they were factorized, in machine units
   for (int iteration = 0; iteration < kMostIterations && residual > 0.0 && !pace.stalls(residual); ++iteration) {
     const VecX misfit = closure.position_residual();
-    Step step = step_of_closing(loops, scaled, closure, columns, misfit, std::min(1e-3, residual), rank);
+    if (!(moved < kSameRows) || !rows->are_undamped()) {
+      rows.emplace(&loops, scaled, closure, columns, misfit.size(), std::min(1e-3, residual), rank);
+      moved = 0.0;
+    }
+    Step step = rows->step(misfit);
+    moved += largest_entry(step.u);
     const double longest = std::min(1.0, kFarthestStep / std::max(largest_entry(step.u), 1e-300));
     step.u = step.u.cwiseProduct(scaled.size().speeds().head(step.u.size()));
     const PartedStep parted(scaled, coordinates, closure, std::move(step));
@@ -248,15 +300,19 @@ bool close_velocities(const ScaledClosure& scaled, Coordinates& coordinates, con
   const std::vector<int> columns = scaled.moving_columns(prescribed, modes);
   LoopRows loops(scaled, closure, columns);
   const double rate = scaled.size().rate_at(coordinates.u);
+  measure(scaled, coordinates, closure);
+  const RowsOfPose rows(&loops, scaled, closure, columns, closure.n_rows(), 0.0);
+  const auto size_of_residual = [&] {
+    return largest_entry(closure.velocity_residual().cwiseQuotient(closure.row_units()));
+  };
   double residual = 0.0;
   for (int iteration = 0; iteration < 4; ++iteration) {
-    measure(scaled, coordinates, closure);
-    residual = largest_entry(closure.velocity_residual().cwiseQuotient(closure.row_units()));
-    const VecX step = step_of_closing(loops, scaled, closure, columns, closure.velocity_residual(), 0.0).u;
+    residual = size_of_residual();
+    const VecX step = rows.step(closure.velocity_residual()).u;
     coordinates.u.head(step.size()) += step.cwiseProduct(scaled.size().speeds().head(step.size()));
+    measure(scaled, coordinates, closure);
   }
-  measure(scaled, coordinates, closure);
-  residual = std::min(residual, largest_entry(closure.velocity_residual().cwiseQuotient(closure.row_units())));
+  residual = std::min(residual, size_of_residual());
   return residual <= kClosedPart * std::max(rate, scaled.size().rate_at(coordinates.u));
 }
 

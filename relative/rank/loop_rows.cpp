@@ -165,10 +165,25 @@ bool LoopRows::factor(const VecX& weights) {
   }
   for (Loop& loop : loops_) compute(loop);
   sum_squares();
+  damping_ = 0.0;
   squares_.write_diagonal(diagonal_);
   if (!(diagonal_.minCoeff() > kClearlyIndependent * std::max(1.0, diagonal_.maxCoeff()))) return false;
   scale_rows(diagonal_, VecX::Ones(diagonal_.size()), rows_);
   return cholesky_.factor(rows_) > kClearlyIndependent;
+}
+
+bool LoopRows::factor_damped(double damping) {
+  if (!closure_->speed_constraints().empty() || loops_.empty()) return false;
+  damping_ = damping;
+  const EliminationOrder& order = squares_.order();
+  for (int group = 0; group < static_cast<int>(loops_.size()); ++group) {
+    const int block = order.block_of(group, group);
+    const int n = squares_.n_rows(block);
+    for (int r = 0; r < n; ++r) squares_.values(block)[r * n + r] += damping * damping;
+  }
+  squares_.write_diagonal(diagonal_);
+  scale_rows(diagonal_, VecX::Ones(diagonal_.size()), rows_);
+  return cholesky_.factor(rows_) > 0.0;
 }
 
 /// (Phi Phi^T)^-1, in place.
@@ -193,9 +208,8 @@ double LoopRows::singular_value() const {  // (R70)
   return sigma;
 }
 
-VecX LoopRows::smallest_step(const VecX& misfit) const {  // (R81)
-  VecX y = -misfit;
-  solve_squares(y);
+/// Phi^T y, over all speeds of the tree.
+VecX LoopRows::times_transpose(const VecX& y) const {
   VecX along = VecX::Zero(column_sizes_.size());
   for (const Loop& loop : loops_) {
     const Closure::Cut& cut = closure_->cuts()[loop.cut];
@@ -203,6 +217,40 @@ VecX LoopRows::smallest_step(const VecX& misfit) const {  // (R81)
     for (const Columns& columns : loop.columns) {
       along.segment(columns.first_u, columns.rows.cols()).noalias() += columns.rows.transpose().lazyProduct(of_loop);
     }
+  }
+  return along;
+}
+
+/// Phi x, from all speeds of the tree.
+VecX LoopRows::times(const VecX& along) const {
+  VecX product(diagonal_.size());
+  for (const Loop& loop : loops_) {
+    const Closure::Cut& cut = closure_->cuts()[loop.cut];
+    auto of_loop = product.segment(cut.first_row, cut.measure.n_rows());
+    of_loop.setZero();
+    for (const Columns& columns : loop.columns) {
+      of_loop.noalias() += columns.rows.lazyProduct(along.segment(columns.first_u, columns.rows.cols()));
+    }
+  }
+  return product;
+}
+
+VecX LoopRows::smallest_step(const VecX& misfit) const {  // (R81)
+  VecX y = -misfit;
+  solve_squares(y);
+  return times_transpose(y)(columns_);
+}
+
+VecX LoopRows::refined_step(const VecX& misfit) const {  // (R81)
+  constexpr int kRefinements = 2;
+  VecX y = -misfit;
+  solve_squares(y);
+  VecX along = times_transpose(y);
+  for (int round = 0; round < kRefinements; ++round) {
+    VecX left = -misfit - times(along) - damping_ * damping_ * y;
+    solve_squares(left);
+    y += left;
+    along = times_transpose(y);
   }
   return along(columns_);
 }

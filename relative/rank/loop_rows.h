@@ -25,8 +25,14 @@ class LoopRows {
   /// independent, or where there are rows of other kinds.
   [[nodiscard]] bool factor(const VecX& weights);
 
+  /// Factors Phi Phi^T + damping^2 of the rows that factor() has taken, independent or not, for the damped step (R65).
+  /// False where round-off stands against it, or where there are rows of other kinds.
+  [[nodiscard]] bool factor_damped(double damping);
+
   /// The smallest step x (one number per column) with Phi x = -misfit (one number per row).
   [[nodiscard]] VecX smallest_step(const VecX& misfit) const;
+  /// The same, damped or not, where rows are so nearly dependent that their squares leave too few digits.
+  [[nodiscard]] VecX refined_step(const VecX& misfit) const;
 
   /// Size of the smallest singular value, by inverse iteration as RowRank has it (R70).
   [[nodiscard]] double singular_value() const;
@@ -56,6 +62,8 @@ class LoopRows {
   [[nodiscard]] MatX& rows_of(Loop& loop, int first_u) const;
   void sum_squares();
   void solve_squares(VecX& right) const;
+  [[nodiscard]] VecX times_transpose(const VecX& y) const;
+  [[nodiscard]] VecX times(const VecX& along) const;
 
   const ScaledClosure* scaled_;
   const Closure* closure_;
@@ -66,6 +74,7 @@ class LoopRows {
   IndependentRows rows_;
   VecX diagonal_;
   std::vector<Shared> shared_;
+  double damping_ = 0.0;
   VecX column_sizes_;  // of each speed of the tree: its unit times its weight, zero if it is prescribed
 };
 

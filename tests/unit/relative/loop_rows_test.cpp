@@ -92,6 +92,30 @@ TEST_P(Rows, OfLoopsTakeTheStepOverGivenColumns) {
 INSTANTIATE_TEST_SUITE_P(Machines, Rows, ::testing::Values("rigid", "flexible", "driven", "ladder", "flying"),
                          [](const auto& tested) { return tested.param; });
 
+/// Damped, and without damping where squares alone leave too few digits, as of many loops that pass motion on.
+TEST(LoopRows, TakeTheStepsOfManyRows) {
+  const Model model = test::ladder(false, 60);
+  Equations equations(model);
+  const ScaledClosure scaled(equations);
+  Coordinates pose{0.0, equations.home(), VecX::Zero(equations.topology().n_u)};
+  test::Numbers numbers(4);
+  pose.q.head(equations.topology().n_tree_q) += numbers.vector(equations.topology().n_tree_q, 0.3);
+  scaled.normalize(pose.q);
+  scaled.move(pose);
+  LoopRows rows(scaled);
+  ASSERT_TRUE(rows.factor(VecX::Ones(static_cast<Eigen::Index>(scaled.free_columns().size()))));
+  EXPECT_LT(rows.singular_value(), 1e-5);
+  const MatX Phi = scaled.rows(scaled.free_columns());
+  const VecX misfit = numbers.vector(Phi.rows(), 1.0);
+  const VecX dense = RowRank(Phi).smallest_step(misfit);
+  EXPECT_LT((rows.refined_step(misfit) - dense).norm(), 1e-11 * dense.norm());
+  const double damping = 1e-3;
+  ASSERT_TRUE(rows.factor_damped(damping));
+  const MatX squares = Phi * Phi.transpose() + damping * damping * MatX::Identity(Phi.rows(), Phi.rows());
+  const VecX damped = -Phi.transpose() * squares.ldlt().solve(misfit);
+  EXPECT_LT((rows.refined_step(misfit) - damped).norm(), 1e-10 * damped.norm());
+}
+
 /// Of more rows than are decomposed by rotations, dependent ones among them, far from closed.
 TEST(Closing, ADampedStepOfManyRowsIsThatOfSingularValues) {
   for (const bool is_doubled : {false, true}) {
