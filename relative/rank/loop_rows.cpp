@@ -208,6 +208,13 @@ double LoopRows::singular_value() const {  // (R70)
   return sigma;
 }
 
+std::optional<double> LoopRows::find_clear_singular_value() {
+  constexpr double kClear = 1e-5;
+  if (!factor(VecX::Ones(static_cast<Eigen::Index>(columns_.size())))) return std::nullopt;
+  const double part = singular_value() / std::sqrt(std::max(1.0, diagonal_.maxCoeff()));
+  return part > kClear ? std::optional(part) : std::nullopt;
+}
+
 /// Phi^T y, over all speeds of the tree.
 VecX LoopRows::times_transpose(const VecX& y) const {
   VecX along = VecX::Zero(column_sizes_.size());

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/decompositions.h"
+#include "relative/rank/loop_rows.h"
 #include "relative/rank/row_rank.h"
 
 namespace concord::relative {
@@ -147,23 +148,27 @@ void decide_uniqueness(const ScaledClosure& scaled, const Motion& motion, const 
 RankReport analyze_rank(const ScaledClosure& scaled, const Coordinates& coordinates) {
   Equations& equations = scaled.equations();
   const Motion& motion = equations.move(coordinates.t, coordinates.q, coordinates.u);
-  const MatX Phi = scaled.rows(scaled.free_columns());
   RankReport report;
   report.joints.resize(equations.model().joints.size());
   report.decided = report.joints;
   report.unique_coupling.assign(equations.model().couplings.size(), true);
   report.decided_coupling = report.unique_coupling;
   const int n_rows = equations.closure().n_rows();
-  const RowRank rows(Phi);
-  const int rank = rows.rank();
-  report.smallest_kept = rank > 0 ? rows.relative_singular_value(rank) : 0.0;
-  report.largest_dropped = rows.pivot(rank);
-  report.undecided = (rank > 0 && report.smallest_kept < kSurelyKept) || report.largest_dropped > kSurelyZero;
-  if (rank < n_rows || report.undecided) decide_uniqueness(scaled, motion, rows, report);
+  int rank = n_rows;
+  if (const std::optional<double> clear = LoopRows(scaled).find_clear_singular_value()) {
+    report.smallest_kept = *clear;
+  } else {
+    const RowRank rows(scaled.rows(scaled.free_columns()));
+    rank = rows.rank();
+    report.smallest_kept = rank > 0 ? rows.relative_singular_value(rank) : 0.0;
+    report.largest_dropped = rows.pivot(rank);
+    report.undecided = (rank > 0 && report.smallest_kept < kSurelyKept) || report.largest_dropped > kSurelyZero;
+    if (rank < n_rows || report.undecided) decide_uniqueness(scaled, motion, rows, report);
+  }
   const int tree = tree_rows(equations);
   report.constraints = tree + n_rows;
   report.rank = tree + rank;
-  report.degrees_of_freedom = static_cast<int>(Phi.cols()) - rank;
+  report.degrees_of_freedom = static_cast<int>(scaled.free_columns().size()) - rank;
   return report;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "relative/rank/loop_rows.h"
 #include "relative/rank/row_rank.h"
 
 namespace concord::relative {
@@ -83,9 +84,13 @@ int ScaledClosure::rank(const Coordinates& coordinates, ClosureRows which, Modes
 }
 
 int ScaledClosure::rank_here(ClosureRows which, Modes modes) const {
-  const MatX Phi = rows(moving_columns(equations_->driven(), modes));
-  const int n_rows = which == ClosureRows::of_positions ? closure().n_position_rows() : closure().n_rows();
-  return RowRank(Phi.topRows(n_rows)).rank();
+  return rank_here(closure(), which, moving_columns(equations_->driven(), modes));
+}
+
+int ScaledClosure::rank_here(const Closure& measured, ClosureRows which, std::vector<int> columns) const {
+  const int n_rows = which == ClosureRows::of_positions ? measured.n_position_rows() : measured.n_rows();
+  if (LoopRows(*this, measured, columns).find_clear_singular_value()) return n_rows;
+  return RowRank(rows(measured, columns).topRows(n_rows)).rank();
 }
 
 }  // namespace concord::relative

@@ -12,7 +12,6 @@
 
 #include "common/error.h"
 #include "relative/rank/closing.h"
-#include "relative/rank/row_rank.h"
 #include "relative/start/start_advice.h"
 #include "relative/start/start_search.h"
 
@@ -188,9 +187,7 @@ void Start::require_independent(const Coordinates& coordinates, const Prescribed
   Coordinates copy = coordinates;
   measure(*scaled_, copy, closure);
   const std::vector<int> columns = scaled_->moving_columns(prescribed, Modes::kept);
-  const int n_rows = rows == ClosureRows::of_positions ? closure.n_position_rows() : closure.n_rows();
-  const MatX Phi = scaled_->rows(closure, columns).topRows(n_rows);
-  if (RowRank(Phi).rank() == static_cast<int>(columns.size())) return;
+  if (scaled_->rank_here(closure, rows, columns) == static_cast<int>(columns.size())) return;
   throw InputError(where_kept(prescribed),
                    fmt::format("start: the kept joint {} ({}) depend on each other and leave the rest "
                                "of the machine free: keep others{}",

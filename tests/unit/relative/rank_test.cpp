@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "machines.h"
+#include "relative/rank/row_rank.h"
 #include "relative/solver.h"
 #include "relative/start/assembly.h"
 
@@ -32,6 +33,23 @@ TEST(Rank, OfAFullLoopIsComplete) {
     EXPECT_EQ(report.degrees_of_freedom, flexible ? 4 : 1);
     EXPECT_FALSE(report.undecided);
     for (const JointUniqueness& joint : report.joints) EXPECT_EQ(flags(joint, Side::child), "uuuuuu");
+  }
+}
+
+/// Loop by loop as by all rows at once.
+TEST(Rank, OfClearLoopsIsThatOfTheirRows) {
+  for (const Model& model : {test::ladder(false, 8), test::spatial_slider_crank(true)}) {
+    Equations equations(model);
+    Assembly assembly(equations);
+    const RankReport report = analyze_rank(assembly.scaled(), assembly.start());
+    const std::vector<int>& columns = assembly.scaled().free_columns();
+    const MatX Phi = assembly.scaled().rows(columns);
+    EXPECT_EQ(report.constraints - report.rank, Phi.rows() - RowRank(Phi).rank());
+    EXPECT_EQ(report.degrees_of_freedom, static_cast<int>(columns.size()) - RowRank(Phi).rank());
+    const double kept = RowRank(Phi).relative_singular_value(static_cast<int>(Phi.rows()));
+    EXPECT_NEAR(report.smallest_kept, kept, 0.02 * kept);
+    EXPECT_EQ(report.largest_dropped, 0.0);
+    EXPECT_FALSE(report.undecided);
   }
 }
 
