@@ -38,8 +38,9 @@ struct MotionScales {
   double turning = 0.0;
   std::vector<double> modal;
   std::vector<double> modal_rate;
-  /// What round-off of the coordinates is as a place; by the machine's length, as an angle.
+  /// What round-off of the coordinates is as a place, and by the machine's length as an angle.
   double place_noise = 0.0;
+  double angle_noise = 0.0;
   /// What round-off of the machine's length is as a modal coordinate, and at each mode's own frequency as its rate.
   std::vector<double> modal_noise;
   std::vector<VecX> modal_rate_noise;
@@ -56,9 +57,9 @@ VecX frequencies(const ModalData& modal) {
 }
 
 /// What round-off of the machine's length is as a modal coordinate of a body; zero where none moves it.
-double modal_noise_of(const Model& model, std::size_t body) {
-  const double shape = largest_displacements(model.bodies[body]).lpNorm<Eigen::Infinity>();
-  return shape > 0.0 ? kModalNoise * model.length_scale() / shape : 0.0;
+double modal_noise_of(const Body& body, double length) {
+  const double shape = largest_displacements(body).lpNorm<Eigen::Infinity>();
+  return shape > 0.0 ? kModalNoise * length / shape : 0.0;
 }
 
 /// The part of a difference that round-off does not explain.
@@ -82,13 +83,14 @@ MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
       scales.place = std::max(scales.place, (r - trajectory.samples.front().state.bodies[i].r).norm());
     }
   }
+  scales.angle_noise = scales.place_noise / size.length;
   // A machine at rest is compared with what gravity, or the time of the run, would make of it.
   scales.speed = size.speed_or(kAtRest);
   scales.turning = scales.speed / size.length;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     scales.modal.push_back(size.modal[i].lpNorm<Eigen::Infinity>());
     scales.modal_rate.push_back(size.modal_rate[i].lpNorm<Eigen::Infinity>());
-    scales.modal_noise.push_back(modal_noise_of(model, i));
+    scales.modal_noise.push_back(modal_noise_of(model.bodies[i], size.length));
     scales.modal_rate_noise.emplace_back(VecX::Zero(model.bodies[i].n_modes()));
     const double shape = size.shapes[i].lpNorm<Eigen::Infinity>();
     if (shape == 0.0) continue;
@@ -122,7 +124,7 @@ MatX noise_of_speeds(const QuantityLayout& layout, const MatX& resolution, const
     const int row = layout.first_row(Kind::acceleration, static_cast<int>(i));
     noise.row(2 * i) = noise_of(row, kEndOfARun * places).transpose();
     noise.row(2 * i + 1) = noise_of(row + 3, kEndOfARun * places / length).transpose();
-    const double modal = modal_noise_of(layout.model(), static_cast<std::size_t>(i));
+    const double modal = modal_noise_of(layout.model().bodies[static_cast<std::size_t>(i)], length);
     for (int m = 0; m < layout.model().bodies[static_cast<std::size_t>(i)].n_modes(); ++m) {
       const Eigen::ArrayXd known = resolution.row(row + 6 + m).array();
       noise.row(of_mode++) = (known.isNaN().select(0.0, known) * modal).sqrt().matrix().transpose();
@@ -150,8 +152,7 @@ MotionAgreement compare_motions(const Model& model, const std::array<const Traje
       const double of_velocity = noise.cols() > 0 ? noise(2 * i, k) : 0.0;
       const double of_turning = noise.cols() > 0 ? noise(2 * i + 1, k) : 0.0;
       note(beyond((a.r - b.r).norm(), scales.place_noise), scales.place, "origin", i);
-      note(beyond(angle_between(rotation_of(a.p), rotation_of(b.p)), scales.place_noise / model.length_scale()), 1.0,
-           "orientation", i);
+      note(beyond(angle_between(rotation_of(a.p), rotation_of(b.p)), scales.angle_noise), 1.0, "orientation", i);
       note(beyond((a.v - b.v).norm(), of_velocity), scales.speed, "velocity", i);
       note(beyond((a.omega - b.omega).norm(), of_turning), scales.turning, "angular velocity", i);
       if (a.a.size() == 0) continue;

@@ -109,8 +109,8 @@ void QuantityLayout::add_block(Kind kind, int owner, Side side, int components) 
 }
 
 int QuantityLayout::row_of(const Quantity& quantity) const {
-  const auto found = std::find(quantities_.begin(), quantities_.end(), quantity);
-  if (found == quantities_.end()) throw IncompleteResult("the layout has no such quantity");
+  const auto found = std::lower_bound(quantities_.begin(), quantities_.end(), quantity);
+  if (found == quantities_.end() || *found != quantity) throw IncompleteResult("the layout has no such quantity");
   return static_cast<int>(found - quantities_.begin());
 }
 
@@ -132,12 +132,12 @@ VecX QuantityLayout::observe(const State& state, const Evaluation& evaluation) c
   append_wrenches([](const JointWrenches& joint, Side side) { return joint.reaction_on(side).in_C; });
   append_wrenches([](const JointWrenches& joint, Side side) { return joint.reaction_on(side).in_global; });
   append_wrenches([](const JointWrenches& joint, Side side) { return joint.total_on(side).in_C; });
-  for (int k = 0; k < static_cast<int>(model_->joints.size()); ++k) {
-    for (const int speed : forced_speeds(*model_, k)) values(row++) = evaluation.joints[k].tau(speed);
-  }
-  for (; row < values.size() && quantities_[static_cast<std::size_t>(row)].kind == Kind::share; ++row) {
-    const Quantity& share = quantities_[static_cast<std::size_t>(row)];
-    values(row) = evaluation.joints[share.owner].share_of(share.actor)(share.component);
+  for (; row < values.size(); ++row) {
+    const Quantity& force = quantities_[static_cast<std::size_t>(row)];
+    const bool is_share = force.kind == Kind::share;
+    if (!is_share && force.kind != Kind::tau) break;
+    const JointWrenches& joint = evaluation.joints[force.owner];
+    values(row) = (is_share ? joint.share_of(force.actor) : joint.tau)(force.component);
   }
   for (const double force : evaluation.couplings) values(row++) = force;
   for (std::size_t k = 0; k < model_->elements.size(); ++k) {
@@ -151,9 +151,8 @@ VecX QuantityLayout::observe(const State& state, const Evaluation& evaluation) c
     append(evaluation.bodies[i].omegadot);
     append(evaluation.bodies[i].addot);
   }
-  for (std::size_t i = 1; i < model_->bodies.size(); ++i) {
-    append(total_on_body(*model_, state, evaluation, static_cast<int>(i)).vector());
-  }
+  const std::vector<Wrench> totals = totals_on_bodies(*model_, state, evaluation);
+  for (std::size_t i = 1; i < totals.size(); ++i) append(totals[i].vector());
   return values;
 }
 
@@ -274,17 +273,17 @@ Vec3 joint_point(const Model& model, const State& state, const Joint& joint, Sid
   return body.r + rotation_of(body.p) * s_P_L;
 }
 
-Wrench total_on_body(const Model& model, const State& state, const Evaluation& evaluation, int body) {
-  Wrench sum;
+std::vector<Wrench> totals_on_bodies(const Model& model, const State& state, const Evaluation& evaluation) {
+  std::vector<Wrench> sums(model.bodies.size());
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     for (const Side side : kSides) {
-      if (model.joints[k].on(side).body != body) continue;
+      const int body = model.joints[k].on(side).body;
       const Wrench& wrench = evaluation.joints[k].total_on(side).in_global;
       const Vec3 arm = joint_point(model, state, model.joints[k], side) - state.bodies[body].r;
-      sum += Wrench{wrench.force, wrench.torque + arm.cross(wrench.force)};
+      sums[body] += Wrench{wrench.force, wrench.torque + arm.cross(wrench.force)};
     }
   }
-  return sum;
+  return sums;
 }
 
 }  // namespace concord::compare

@@ -22,7 +22,7 @@ class IncompleteResult : public std::runtime_error {
 /// "F_x", "F_y", "F_z", "T_x", "T_y", "T_z".
 const std::array<std::string, 6>& component_names();
 
-/// The list of quantities of a model, always in the same order: the rows of every series.
+/// The list of quantities of a model, always in the same order, that of Quantity: the rows of every series.
 class QuantityLayout {
  public:
   explicit QuantityLayout(const Model& model);
@@ -83,7 +83,7 @@ std::vector<int> forced_speeds(const Model& model, int k);
 /// Place of a joint's point on one side in global axes, deformed [m].
 Vec3 joint_point(const Model& model, const State& state, const Joint& joint, Side side);
 
-/// Total wrench of all the model's joints on a body at its origin, global axes [N, N m].
-Wrench total_on_body(const Model& model, const State& state, const Evaluation& evaluation, int body);
+/// Total wrench of all the model's joints on each body at its origin, global axes [N, N m].
+std::vector<Wrench> totals_on_bodies(const Model& model, const State& state, const Evaluation& evaluation);
 
 }  // namespace concord::compare

@@ -29,12 +29,43 @@ TEST(ObserveTest, ListsEveryNumberInItsRow) {
   EXPECT_EQ(values.size(), static_cast<Eigen::Index>(layout.quantities().size()));
 }
 
+TEST(ObserveTest, FindsEveryRowAndWhatActsInIt) {
+  const Model sprung = sprung_pendulum_model();
+  Model model = sprung;
+  model.joints.push_back(sprung.joints[0]);
+  model.joints[1].name = "B";
+  model.joints[0].drivers.push_back({0, ConstantSpeed{0.0, 1.0}});
+  model.couplings.push_back({"gear", {{0, 0, 0, 1.0}, {1, 0, 0, -2.0}}, 0.0, {}});
+  const QuantityLayout layout(model);
+  for (std::size_t row = 0; row < layout.quantities().size(); ++row) {
+    EXPECT_EQ(layout.row_of(layout.quantities()[row]), static_cast<int>(row));
+  }
+  EXPECT_THROW(static_cast<void>(layout.row_of({Kind::share, 1, Side::child, 0, Actor::motor})), IncompleteResult);
+  FakePendulum solver(sprung, "cartesian");
+  const State state = solver.assemble();
+  Evaluation evaluation = solver.evaluate(state);
+  evaluation.joints.resize(2, evaluation.joints[0]);
+  evaluation.couplings = {7.5};
+  double force = 1.0;
+  for (JointWrenches& joint : evaluation.joints) {
+    joint.tau.setConstant(force++);
+    for (VecX& share : joint.shares) share = VecX::Constant(1, force++);
+  }
+  const VecX values = layout.observe(state, evaluation);
+  for (int k = 0; k < 2; ++k) {
+    const JointWrenches& joint = evaluation.joints[static_cast<std::size_t>(k)];
+    EXPECT_EQ(values(layout.row_of({Kind::tau, k, Side::child, 0})), joint.tau(0));
+    EXPECT_EQ(values(layout.row_of({Kind::share, k, Side::child, 0, Actor::damper})), joint.share_of(Actor::damper)(0));
+  }
+  EXPECT_EQ(values(layout.row_of({Kind::coupling, 0, Side::child, 0})), 7.5);
+}
+
 TEST(ObserveTest, SumOnABodyIsTakenAboutItsOrigin) {
   const Model model = pendulum_model();
   FakePendulum solver(model, "cartesian");
   const State state = solver.assemble();
   const Evaluation evaluation = solver.evaluate(state);
-  const Wrench sum = total_on_body(model, state, evaluation, 1);
+  const Wrench sum = totals_on_bodies(model, state, evaluation)[1];
   const Wrench& hinge = evaluation.joints[0].total[1].in_global;
   const Vec3 arm = model.joints[0].sides[0].point_L - state.bodies[1].r;
   EXPECT_LT((sum.force - hinge.force).norm(), 1e-15);
