@@ -8,7 +8,6 @@
 
 #include "common/decompositions.h"
 #include "compare/audit/beam_statement.h"
-#include "compare/audit/free_body.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/joint_power.h"
 #include "compare/audit/places.h"
@@ -121,15 +120,13 @@ void add_speeds(AuditRule rule, const char* what, const std::vector<bool>& turni
 }  // namespace
 
 Auditor::Auditor(const Model& model)
-    : model_(model), length_(model.length_scale()), has_laws_(has_laws(model)), motions_(model) {
+    : model_(model), length_(model.length_scale()), has_laws_(has_laws(model)), free_bodies_(model), motions_(model) {
   for (const Body& body : model.bodies) lay_out_body(body);
   for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) lay_out_joint(k);
   for (const ForceElement& element : model.elements) lay_out_element(element);
 }
 
 void Auditor::lay_out_body(const Body& body) {
-  std::vector<MassPoint> of_rigid;
-  mass_points_.push_back(mass_points_of(body, of_rigid));
   beams_.push_back(audit_beam(body));
   AuditEntity& entity = bodies_.emplace_back(AuditEntity{body.name, {}, false});
   if (bodies_.size() == 1) return;  // ground
@@ -178,11 +175,11 @@ void Auditor::add(const State& state, const Evaluation& evaluation, const Redraw
 }
 
 void Auditor::add_body(int body, const State& state, const Evaluation& evaluation, OwnRoundOff& own) {
-  Balance balance = balance_of(model_, mass_points_[body], body, state, evaluation);
-  if (is_suspicious(balance)) forget_round_off_of_forces(model_, mass_points_[body], body, state, evaluation, balance);
+  Balance balance = free_bodies_.balance_of(body, state, evaluation);
+  if (is_suspicious(balance)) free_bodies_.forget_round_off_of_forces(body, state, evaluation, balance);
   if (is_suspicious(balance)) {
     const auto again = [&](const State& moved, const Evaluation& of_moved) {
-      return balance_of(model_, mass_points_[body], body, moved, of_moved).rows;
+      return free_bodies_.balance_of(body, moved, of_moved).rows;
     };
     balance.rows = own.unexplained(balance, again);
   }
@@ -193,7 +190,7 @@ void Auditor::add_body(int body, const State& state, const Evaluation& evaluatio
 }
 
 OutOfBalance Auditor::out_of_balance(int body, const State& state, const Evaluation& evaluation) const {
-  Balance balance = balance_of(model_, mass_points_[body], body, state, evaluation);
+  Balance balance = free_bodies_.balance_of(body, state, evaluation);
   const Mat3 to_body = rotation_of(state.bodies[body].p).transpose();
   for (const int first : {0, 3}) balance.rows.segment<3>(first) = (to_body * balance.rows.segment<3>(first)).eval();
   return {std::move(balance.rows), std::move(balance.scales)};

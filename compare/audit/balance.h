@@ -9,6 +9,7 @@
 #include "compare/audit/audit_ledger.h"
 #include "compare/audit/carried_components.h"
 #include "compare/audit/element_laws.h"
+#include "compare/audit/free_body.h"
 #include "compare/audit/law_of_force.h"
 #include "compare/audit/motion_audit.h"
 #include "compare/audit/round_off.h"
@@ -90,7 +91,7 @@ class Auditor {
   bool has_laws_;
   /// Of the state that is being added: those that differ from it by round-off, if there are laws to ask.
   std::optional<std::array<State, 2>> moved_;
-  std::vector<std::vector<MassPoint>> mass_points_;     // of each body
+  FreeBodies free_bodies_;
   std::vector<std::vector<LawOfForce>> joint_springs_;  // of each joint
   std::vector<CarriedComponents> carried_;              // of each joint
   std::vector<ElementLaw> element_laws_;

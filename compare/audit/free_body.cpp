@@ -82,23 +82,6 @@ void subtract_wrench(const Attachment& side, const BodyState& state, const Wrenc
   balance.raise_scales(sizes);
 }
 
-/// Visits what joints (total wrenches) and force elements exert on a body: visit(attachment, wrench), in global axes.
-template <class Visit>
-void for_each_wrench_on(int body, const Model& model, const Evaluation& evaluation, Visit visit) {
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    for (const Side side : kSides) {
-      const Attachment& attachment = model.joints[k].on(side);
-      if (attachment.body == body) visit(attachment, evaluation.joints[k].total_on(side).in_global);
-    }
-  }
-  for (std::size_t k = 0; k < model.elements.size(); ++k) {
-    for (const Side side : kSides) {
-      const Attachment* end = end_of(model.elements[k], side);
-      if (end != nullptr && end->body == body) visit(*end, evaluation.elements[k].on_side(side).in_global);
-    }
-  }
-}
-
 }  // namespace
 
 const std::vector<MassPoint>& mass_points_of(const Body& body, std::vector<MassPoint>& of_rigid) {
@@ -129,18 +112,42 @@ VecX largest_ways(const Body& body, double length) {
   return largest;
 }
 
-Balance balance_of(const Model& model, const std::vector<MassPoint>& points, int body, const State& state,
-                   const Evaluation& evaluation) {
+FreeBodies::FreeBodies(const Model& model)
+    : model_(model), points_of_rigid_(model.bodies.size()), ends_(model.bodies.size()) {
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) mass_points_of(model.bodies[i], points_of_rigid_[i]);
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    for (const Side side : kSides) {
+      const Attachment& place = model.joints[k].on(side);
+      ends_[place.body].push_back({&place, side, k, true});
+    }
+  }
+  for (std::size_t k = 0; k < model.elements.size(); ++k) {
+    for (const Side side : kSides) {
+      const Attachment* place = end_of(model.elements[k], side);
+      if (place != nullptr) ends_[place->body].push_back({place, side, k, false});
+    }
+  }
+}
+
+const std::vector<MassPoint>& FreeBodies::points_of(int body) const {
+  return model_.bodies[body].modal ? model_.bodies[body].modal->mass_points : points_of_rigid_[body];
+}
+
+const Wrench& FreeBodies::wrench_at(const End& end, const Evaluation& evaluation) {
+  return end.is_of_joint ? evaluation.joints[end.owner].total_on(end.side).in_global
+                         : evaluation.elements[end.owner].on_side(end.side).in_global;
+}
+
+Balance FreeBodies::balance_of(int body, const State& state, const Evaluation& evaluation) const {
   const BodyState& motion = state.bodies[body];
-  Balance balance = inertia_and_stiffness(model.bodies[body], points, model.gravity, motion, evaluation.bodies[body]);
-  for_each_wrench_on(body, model, evaluation, [&](const Attachment& side, const Wrench& wrench) {
-    subtract_wrench(side, motion, wrench, balance);
-  });
+  Balance balance =
+      inertia_and_stiffness(model_.bodies[body], points_of(body), model_.gravity, motion, evaluation.bodies[body]);
+  for (const End& end : ends_[body]) subtract_wrench(*end.place, motion, wrench_at(end, evaluation), balance);
   return balance;
 }
 
-void forget_round_off_of_forces(const Model& model, const std::vector<MassPoint>& points, int body, const State& state,
-                                const Evaluation& evaluation, Balance& balance) {
+void FreeBodies::forget_round_off_of_forces(int body, const State& state, const Evaluation& evaluation,
+                                            Balance& balance) const {
   constexpr double kUnits = 64.0 * std::numeric_limits<double>::epsilon();
   const BodyState& motion = state.bodies[body];
   // By the acceleration that a force alone would give the body, and by its moment about any of the mass points: the
@@ -148,18 +155,20 @@ void forget_round_off_of_forces(const Model& model, const std::vector<MassPoint>
   VecX by_acceleration = VecX::Zero(motion.a.size());
   double mass = 0.0;
   double extent = 0.0;
-  for (const MassPoint& point : points) {
+  for (const MassPoint& point : points_of(body)) {
     by_acceleration += point.mass * point.Psi_t_L.colwise().norm().transpose();
     mass += point.mass;
     extent = std::max(extent, point.s0_L.norm());
   }
   if (mass > 0.0) by_acceleration /= mass;
   VecX terms = VecX::Zero(motion.a.size());
-  for_each_wrench_on(body, model, evaluation, [&](const Attachment& side, const Wrench& wrench) {
-    const Mat3X J_Psi_r = exponential_rate(side.Psi_r_L * motion.a) * side.Psi_r_L;
-    const double reach = place(side, motion).lever.norm() + extent;
-    terms += wrench.force.norm() * (by_acceleration + reach * J_Psi_r.colwise().norm().transpose());
-  });
+  for (const End& end : ends_[body]) {
+    const Mat3X& Psi_r = end.place->Psi_r_L;
+    const Mat3X J_Psi_r = exponential_rate(Psi_r * motion.a) * Psi_r;
+    const double reach = place(*end.place, motion).lever.norm() + extent;
+    const double force = wrench_at(end, evaluation).force.norm();
+    terms += force * (by_acceleration + reach * J_Psi_r.colwise().norm().transpose());
+  }
   auto modal = balance.rows.tail(terms.size()).array();
   modal = (modal.abs() <= kUnits * terms.array()).select(0.0, modal).eval();
 }

@@ -34,15 +34,37 @@ struct Balance {
   void raise_scales(const VecX& terms) { scales = scales.cwiseMax(terms); }
 };
 
-/// d'Alembert's sum on a body in global axes: inertia of its mass points, weight, stiffness and damping, minus the
-/// total wrenches of joints and the wrenches of force elements on it.
-Balance balance_of(const Model& model, const std::vector<MassPoint>& points, int body, const State& state,
-                   const Evaluation& evaluation);
+/// The bodies of a model, each with its mass points and with the ends of joints and force elements on it.
+class FreeBodies {
+ public:
+  /// The model must outlive this object.
+  explicit FreeBodies(const Model& model);
 
-/// Sets a modal row to zero if it is at most 64 units of round-off of the sum of the sizes of what each force on the
-/// body adds to it. This sum counts forces that cancel, such as the axial forces at the two ends of a strut.
-void forget_round_off_of_forces(const Model& model, const std::vector<MassPoint>& points, int body, const State& state,
-                                const Evaluation& evaluation, Balance& balance);
+  /// d'Alembert's sum on a body in global axes: inertia of its mass points, weight, stiffness and damping, minus the
+  /// total wrenches of joints and the wrenches of force elements on it.
+  [[nodiscard]] Balance balance_of(int body, const State& state, const Evaluation& evaluation) const;
+
+  /// Sets a modal row to zero if it is at most 64 units of round-off of the sum of the sizes of what each force on the
+  /// body adds to it. This sum counts forces that cancel, such as the axial forces at the two ends of a strut.
+  void forget_round_off_of_forces(int body, const State& state, const Evaluation& evaluation, Balance& balance) const;
+
+ private:
+  /// One end of a joint or a force element.
+  struct End {
+    const Attachment* place;
+    Side side;
+    std::size_t owner;
+    bool is_of_joint;
+  };
+
+  [[nodiscard]] const std::vector<MassPoint>& points_of(int body) const;
+  /// What acts there, in global axes.
+  [[nodiscard]] static const Wrench& wrench_at(const End& end, const Evaluation& evaluation);
+
+  const Model& model_;
+  std::vector<std::vector<MassPoint>> points_of_rigid_;  // of each body; of flexible ones none
+  std::vector<std::vector<End>> ends_;                   // on each body
+};
 
 /// Largest force in the machine [N]: of joints, of elements, and of springs, drivers and couplings on joint speeds. A
 /// torque on a joint speed counts as a force at the machine's length. Forces on joint speeds are counted because total

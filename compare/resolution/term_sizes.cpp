@@ -41,7 +41,8 @@ class Loads {
         shares_(model.bodies.size()),
         accelerations_(model.bodies.size(), 0.0),
         modal_(model.bodies.size()) {
-    for (std::size_t i = 1; i < loads_.size(); ++i) add_body(static_cast<int>(i));
+    const FreeBodies free_bodies(model);
+    for (std::size_t i = 1; i < loads_.size(); ++i) add_body(static_cast<int>(i), free_bodies);
     for (std::size_t k = 0; k < model.joints.size(); ++k) add_shares(static_cast<int>(k));
     shake();
     carry_massless();
@@ -60,13 +61,11 @@ class Loads {
   }
 
  private:
-  void add_body(int i) {
+  void add_body(int i, const FreeBodies& free_bodies) {
     const Body& body = model_.bodies[i];
-    std::vector<MassPoint> of_rigid;
-    const std::vector<MassPoint>& points = mass_points_of(body, of_rigid);
     VecX sizes = VecX::Zero(6 + body.n_modes());
     for (const Evaluation& evaluation : shared_.evaluations) {
-      sizes = sizes.cwiseMax(balance_of(model_, points, i, shared_.state, evaluation).scales);
+      sizes = sizes.cwiseMax(free_bodies.balance_of(i, shared_.state, evaluation).scales);
     }
     loads_[i].take(sizes.head<3>().maxCoeff(), sizes.segment<3>(3).maxCoeff(), length_);
     modal_[i] = sizes.tail(body.n_modes());
