@@ -61,9 +61,10 @@ class JointAlongMotion {
         weights_((Vec6() << Vec3::Constant(1.0 / length), Vec3::Ones()).finished()),
         bodies_{of(Side::parent, state, evaluation), of(Side::child, state, evaluation)} {}
 
-  /// What of v_rel no permitted speed gives, and then the joint speeds, h seconds on.
-  [[nodiscard]] BothRates after(double h) const {
+  /// What of v_rel no permitted speed gives, and then the joint speeds, if they are wanted, h seconds on.
+  [[nodiscard]] BothRates after(double h, bool wants_speeds) const {
     const RelativeMotion relative = relative_after(h);
+    if (!wants_speeds) return not_permitted(read_pose(*joint_.type, relative, hint_), relative.v_rel);
     const JointMotion motion = read_motion(*joint_.type, relative, hint_);
     BothRates both(6 + motion.u.size());
     both << not_permitted(motion, relative.v_rel), motion.u;
@@ -155,8 +156,8 @@ void measure(const JointAlongMotion& on_its_way, const Joint& joint, const State
   }
 }
 
-/// A difference along the motion: what of a_rel is neither permitted nor Sdot u, and the joint accelerations, are
-/// expected to be so; their sizes; and the first step [s].
+/// A difference along the motion: what of a_rel is neither permitted nor Sdot u, and the joint accelerations, if they
+/// are asked for, are expected to be so; their sizes; and the first step [s].
 struct Question {
   VecX expected;
   VecX scales;
@@ -177,8 +178,9 @@ Question question_of(const JointAlongMotion& joint, const VecX& expected_udot, d
 }
 
 SlopeMisfit answer(const Question& question, const JointAlongMotion& joint) {
-  return slope_misfit([&](double h) { return joint.after(h); }, question.expected, question.scales, question.step,
-                      kGoodRate);
+  const bool asks_for_udot = question.expected.size() > 6;
+  return slope_misfit([&](double h) { return joint.after(h, asks_for_udot); }, question.expected, question.scales,
+                      question.step, kGoodRate);
 }
 
 /// How much of motion the joint's speeds make at least, lengths in units of the machine's: 1 of most joints, 0 in a
@@ -242,15 +244,16 @@ JointKinematics read_kinematics(const Joint& joint, const State& state, const Ev
   measure(on_its_way, joint, state, evaluation, hint, found);
   found.place << found.relative.d - found.motion.d, rotation_vector_of(found.relative.R * found.motion.R.transpose());
   found.velocity = on_its_way.not_permitted(found.motion, found.relative.v_rel);
-  const Question question = question_of(on_its_way, expected_udot, length, found);
+  const bool is_asked = !expected_udot.array().isNaN().all();
+  const VecX asked = is_asked ? expected_udot : VecX();
+  const Question question = question_of(on_its_way, asked, length, found);
   const SlopeMisfit misfit = answer(question, on_its_way);
   found.acceleration = misfit.slope.head(6);
-  found.udot = misfit.slope.tail(expected_udot.size());
+  found.udot = misfit.slope.tail(asked.size());
   found.doubt_of_acceleration = misfit.doubt.head(6);
-  found.doubt_of_udot = misfit.doubt.tail(expected_udot.size());
+  found.doubt_of_udot = misfit.doubt.tail(asked.size());
   found.doubt_of_q = VecX::Zero(found.motion.q.size());
   found.doubt_of_u = VecX::Zero(found.motion.u.size());
-  const bool is_asked = !expected_udot.array().isNaN().all();
   if (is_asked && magnifies(*joint.type, found.motion, length)) {
     doubt_magnified(joint, state, evaluation, hint, length, question, found);
   }

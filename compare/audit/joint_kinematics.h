@@ -27,7 +27,7 @@ struct JointKinematics {
   Vec6 velocity = Vec6::Zero();
   /// The rate of that along the motion: what of a_rel - Sdot u no permitted acceleration gives [m/s2, rad/s2].
   Vec6 acceleration = Vec6::Zero();
-  /// Accelerations of the joint's speeds, udot, by differences.
+  /// Accelerations of the joint's speeds, udot, by differences; empty if nothing is expected of any.
   VecX udot;
   /// How uncertain these differences are, by entry.
   Vec6 doubt_of_acceleration = Vec6::Zero();
@@ -45,8 +45,8 @@ struct JointKinematics {
 };
 
 /// `hint`: coordinates from which turns are counted. `expected_udot`: n_u numbers, what the joint accelerations should
-/// be; NaN where nothing is known. `length`: of the machine [m]. Accelerations are differenced along the motion, which
-/// resolves some 1e-12 of the size of the terms.
+/// be; NaN where nothing is expected. `length`: of the machine [m]. Accelerations are differenced along the motion,
+/// which resolves some 1e-12 of the size of the terms.
 JointKinematics read_kinematics(const Joint& joint, const State& state, const Evaluation& evaluation, const VecX& hint,
                                 const VecX& expected_udot, double length);
 

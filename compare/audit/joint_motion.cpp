@@ -159,6 +159,12 @@ RelativeMotion relative_motion_of(const Joint& joint, const State& state) {
 }
 
 JointMotion read_motion(const joints::JointType& type, const RelativeMotion& relative, const VecX& hint) {
+  JointMotion motion = read_pose(type, relative, hint);
+  if (motion.S.cols() > 0) motion.u = nearest_speeds(type, motion.S, relative.v_rel);
+  return motion;
+}
+
+JointMotion read_pose(const joints::JointType& type, const RelativeMotion& relative, const VecX& hint) {
   JointMotion motion;
   motion.q = VecX::Zero(type.n_q());
   CoordinateReading reading(relative, hint, motion.q);
@@ -168,7 +174,6 @@ JointMotion read_motion(const joints::JointType& type, const RelativeMotion& rel
   motion.d = refereed.placement.d;
   motion.R = refereed.placement.R;
   motion.free = free_speeds(type, relative.R, motion.S);
-  if (motion.S.cols() > 0) motion.u = nearest_speeds(type, motion.S, relative.v_rel);
   return motion;
 }
 

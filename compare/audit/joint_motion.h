@@ -36,6 +36,8 @@ RelativeMotion relative_motion_of(const Joint& joint, const State& state);
 /// Reads a joint's motion from where its frames are. `hint`: coordinates near the wanted ones, which fix the number of
 /// turns; an empty one means none.
 JointMotion read_motion(const joints::JointType& type, const RelativeMotion& relative, const VecX& hint);
+/// All of it but the speeds u.
+JointMotion read_pose(const joints::JointType& type, const RelativeMotion& relative, const VecX& hint);
 
 /// Columns [F; T] on the child at P_i in the parent's joint frame whose span holds the coordinate wrenches, 6 x n: the
 /// permitted directions themselves (a slide's force along it, a turn's torque about it, for a turn with an arm the
