@@ -27,6 +27,9 @@ Vec6 position_error(const JointMotion& motion, const JointPoint& parent, const J
   return error;
 }
 
+/// At most those of a joint without forbidden directions.
+using JointCoordinates = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 7, 1>;
+
 /// Rows `first_row` .. + 2 of the chosen columns of S.
 Mat3 three_rows(const Mat6& S, const std::vector<int>& columns, int first_row) {
   Mat3 chosen = Mat3::Zero();
@@ -141,7 +144,7 @@ double JointMeasure::step_length(const JointPoint& parent, const JointPoint& chi
   const double now = 0.5 * weighed(position_residual_).squaredNorm();
   double slope = 0.0;
   for (const int c : free_) slope -= step(c) * weighed(at_.S.col(c)).dot(weighed(position_residual_));
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 7, 1> trial(mobilizer_->n_q());
+  JointCoordinates trial(mobilizer_->n_q());
   double length = 1.0;
   for (int halvings = 0; halvings < kMostHalvings; ++halvings) {
     trial = Eigen::Map<const VecX>(q, mobilizer_->n_q());
@@ -173,7 +176,8 @@ double JointMeasure::misfit() const {
 /// Returns the size of the misfit; leaves motion, error at the q found.
 double JointMeasure::newton(const JointPoint& parent, const JointPoint& child, double* q) {
   move(parent, child, q);
-  for (int step = 0; step < kMostNewtonSteps && !free_.empty(); ++step) {
+  has_settled_ = free_.empty();
+  for (int step = 0; step < kMostNewtonSteps && !has_settled_; ++step) {
     JointVector correction = fit(position_residual_);
     const double largest = size_of(correction);
     if (mobilizer_->is_curved() && largest > kNewtonIsQuadratic) {
@@ -186,7 +190,7 @@ double JointMeasure::newton(const JointPoint& parent, const JointPoint& child, d
     }
     mobilizer_->advance(q, correction.data());
     move(parent, child, q);
-    if (largest <= kNewtonIsQuadratic) break;
+    has_settled_ = largest <= kNewtonIsQuadratic;
   }
   return misfit();
 }
@@ -245,16 +249,21 @@ void JointMeasure::search(const JointPoint& parent, const JointPoint& child, dou
 }
 
 void JointMeasure::find_q(const JointPoint& parent, const JointPoint& child, double* q, Restart restart) {
+  bool is_found = false;
   if (restart != Restart::never) {
-    const VecX given = Eigen::Map<const VecX>(q, mobilizer_->n_q());
+    const Eigen::Map<const VecX> now(q, mobilizer_->n_q());
+    const JointCoordinates given = now;
     const double misfit = newton(parent, child, q);
+    is_found = has_settled_ && misfit <= kMisfitOfAnotherBranch;
     if (!(misfit <= kMisfitOfAnotherBranch)) {
       const double share = restart == Restart::if_better ? kStillBetter : kClearlyBetter;
       search(parent, child, std::isfinite(misfit) ? share * misfit : HUGE_VAL, given, q);
     }
+    const JointCoordinates found = now;
     if (prescribed_.empty()) mobilizer_->choose_chart(q, given.data());
+    is_found = is_found && now == found;
   }
-  newton(parent, child, q);
+  if (!is_found) newton(parent, child, q);
   compute_complement();
 }
 

@@ -83,6 +83,7 @@ class JointMeasure {
   SpatialBasis displacements_;  // of their columns in at_
   SpatialBasis rotations_;
   bool is_decomposed_ = false;
+  bool has_settled_ = false;  // newton(), before its steps ran out
   Vec6 position_residual_ = Vec6::Zero();
   Vec6 velocity_residual_ = Vec6::Zero();
   Mat6 T_ = Mat6::Identity();
