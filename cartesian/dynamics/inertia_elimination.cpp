@@ -284,6 +284,16 @@ void InertiaElimination::correct(VecX& x) {
   x += residual_;
 }
 
+/// The modal rows of M x, and the sizes of their terms.
+void InertiaElimination::subtract_modal_rows(const Part& part, const VecX& x, double* left, double* terms) {
+  for (int c = 0; c < part.n_modes; ++c) {
+    left[c] -= part.M.col(6 + c).dot(x.segment<6>(part.first_Y)) +
+               part.modal_mass.col(c).dot(x.segment(part.first_Y + 6, part.n_modes));
+    terms[c] += part.M.col(6 + c).cwiseAbs().dot(part.sizes.head<6>()) +
+                part.modal_mass.col(c).cwiseAbs().dot(part.sizes.tail(part.n_modes));
+  }
+}
+
 /// Of a body's own equations; adds its part to those of the rows.
 double InertiaElimination::residual_of(Part& part, const VecX& right_side, const VecX& x, const VecX& least) {
   const int n = 6 + part.n_modes;
@@ -301,12 +311,7 @@ double InertiaElimination::residual_of(Part& part, const VecX& right_side, const
     rigid -= own[c] * part.M.col(c);
     rigid_terms += part.sizes(c) * part.M.col(c).cwiseAbs();
   }
-  for (int c = 0; c < part.n_modes; ++c) {
-    left[6 + c] -= part.M.col(6 + c).dot(x.segment<6>(part.first_Y)) +
-                   part.modal_mass.col(c).dot(x.segment(part.first_Y + 6, part.n_modes));
-    terms[6 + c] += part.M.col(6 + c).cwiseAbs().dot(part.sizes.head<6>()) +
-                    part.modal_mass.col(c).cwiseAbs().dot(part.sizes.tail(part.n_modes));
-  }
+  subtract_modal_rows(part, x, left + 6, terms + 6);
   for (const Leg& leg : legs_of(part)) {
     const Vec6 lambda = multipliers_.col(leg.node);
     const Vec6 sizes = lambda.cwiseAbs();

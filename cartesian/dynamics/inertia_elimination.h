@@ -80,6 +80,7 @@ class InertiaElimination {
   void add_to_rows(const Part& part);
   void eliminate(Part& part, const VecX& x);
   void substitute(Part& part, VecX& x);
+  static void subtract_modal_rows(const Part& part, const VecX& x, double* left, double* terms);
   [[nodiscard]] double residual_of(Part& part, const VecX& right_side, const VecX& x, const VecX& least);
 
   int n_Y_;
