@@ -46,6 +46,7 @@ class Loads {
     for (std::size_t k = 0; k < model.joints.size(); ++k) add_shares(static_cast<int>(k));
     shake();
     carry_massless();
+    add_up();
   }
 
   /// In the quantity's unit.
@@ -134,6 +135,14 @@ class Loads {
     }
   }
 
+  /// A body's sum is known as the wrenches of its joints are, each to the loads on both bodies.
+  void add_up() {
+    summed_.resize(loads_.size());
+    for (std::size_t k = 0; k < model_.joints.size(); ++k) {
+      for (const Side side : kSides) summed_[model_.joints[k].on(side).body].take(on_joint(static_cast<int>(k)));
+    }
+  }
+
   [[nodiscard]] Load on_joint(int k) const {
     Load load = loads_[model_.joints[k].on(Side::parent).body];
     load.take(loads_[model_.joints[k].on(Side::child).body]);
@@ -169,7 +178,7 @@ class Loads {
   }
 
   [[nodiscard]] Load on_owner(const Quantity& quantity) const {
-    if (quantity.kind == Kind::body_sum) return shaken_[quantity.owner];
+    if (quantity.kind == Kind::body_sum) return summed_[quantity.owner];
     if (quantity.kind == Kind::element) return on_element(quantity.owner);
     return on_joint(quantity.owner);
   }
@@ -180,6 +189,7 @@ class Loads {
   std::vector<Load> loads_;
   std::vector<Load> shares_;           // those of add_shares() alone
   std::vector<Load> shaken_;           // the loads, and the shares on neighbours
+  std::vector<Load> summed_;           // what the joints on a body add up
   std::vector<double> accelerations_;  // m/s2
   std::vector<VecX> modal_;            // accelerations by mode
 };
