@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <regex>
 
 #include "closed_forms.h"
 #include "compare/analyses/judge.h"
@@ -163,7 +164,10 @@ TEST_CASE("A gyroscope precesses by its springs however fast it spins", "[analys
     const AnalysisVerdict found = judge_linearization(model, kMakers, false);
     INFO(format_analysis(model, found, true));
     CHECK(found.wrenches.outcome == compare::Outcome::agree);
-    CHECK(found.text.find("note") == std::string::npos);
+    // Of so slow a rate two to four digits are resolved, as the pose has it: that these are few may be said, and
+    // nothing else.
+    CHECK(std::regex_replace(found.text, std::regex("note: fewer than 3 digits are resolved of the eigenvalues"), "")
+              .find("note") == std::string::npos);
     for (const auto& linearization : found.linearizations) {
       const auto& modes = linearization->modes;
       CHECK(std::count_if(modes.begin(), modes.end(), [](const auto& mode) { return mode.is_free; }) == 2);
