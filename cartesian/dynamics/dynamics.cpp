@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "cartesian/dynamics/state_scales.h"
 #include "common/error.h"
@@ -134,14 +133,14 @@ bool Dynamics::factor_and_solve(Pivots pivots, const Place* near) {
   is_eliminated_ = false;
   matrix_.fill(equations_);
   unknowns_ = right_side_;
-  const bool has_pivots = !std::exchange(has_new_rows_, false);
-  if (has_pivots && solve_with_last_pivots()) {
+  if (!has_new_rows_ && solve_with_last_pivots()) {
     if (lu.relative_correction() > kWorse * judged_at_) judge_elimination();
     return true;
   }
   unknowns_ = right_side_;
   if (!lu.factor() || !lu.solve_refined(unknowns_, 0.0)) return false;
   judge_elimination();
+  has_new_rows_ = false;
   return true;
 }
 

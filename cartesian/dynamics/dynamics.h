@@ -107,7 +107,7 @@ class Dynamics {  // (C40)
   InertiaElimination* elimination_;  // of the last solution
   Projection projection_;
   std::vector<bool> active_;    // by constraint row
-  bool has_new_rows_ = true;    // since the last factorization
+  bool has_new_rows_ = true;    // since the last factorization that served
   bool eliminates_ = false;     // inertias are eliminated between steps
   bool is_eliminated_ = false;  // in the state of the last solution
   /// What it takes that round-off, magnified by the condition, does not cost more than evaluations between steps may
