@@ -134,7 +134,7 @@ bool Dynamics::factor_and_solve(Pivots pivots, const Place* near) {
   matrix_.fill(equations_);
   unknowns_ = right_side_;
   if (!has_new_rows_ && solve_with_last_pivots()) {
-    if (lu.relative_correction() > kWorse * judged_at_) judge_elimination();
+    if (!is_good_elimination()) judge_elimination();
     return true;
   }
   unknowns_ = right_side_;
@@ -148,6 +148,12 @@ bool Dynamics::factor_and_solve(Pivots pivots, const Place* near) {
 bool Dynamics::solve_with_last_pivots() {
   SparseLu& lu = matrix_.lu();
   return lu.refactor() && lu.solve_refined(unknowns_, 0.0) && lu.relative_correction() <= kMagnified;
+}
+
+/// Elimination was found good where round-off was magnified about as much.
+bool Dynamics::is_good_elimination() {
+  const bool was_good = eliminates_ && refinement_ == Refinement::none;
+  return was_good && matrix_.lu().relative_correction() <= kWorse * judged_at_;
 }
 
 /// In a state that has been solved for to round-off.

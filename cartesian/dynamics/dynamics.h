@@ -71,7 +71,7 @@ class Dynamics {  // (C40)
 
   /// Accelerations that generalized forces (n_Y rows) cause by themselves at the last solution, as joints let them.
   void accelerate(const Eigen::Ref<const VecX>& forces, Eigen::Ref<VecX> accelerations);
-  /// Whether the inertias are eliminated between steps, as the last solution with fresh pivots found it good.
+  /// Whether the inertias are eliminated between steps, as was found good where this was last looked at.
   [[nodiscard]] bool eliminates_inertias() const { return eliminates_; }
 
   /// A constraint row that takes no part because it depends on others, and whose accelerations those others contradict:
@@ -98,6 +98,7 @@ class Dynamics {  // (C40)
   [[nodiscard]] bool solve_by_whole_matrix();
   [[nodiscard]] bool solve_with_last_pivots();
   void measure_least_unknowns();
+  [[nodiscard]] bool is_good_elimination();
   void judge_elimination();
   [[nodiscard]] bool loses_more_than(double part, double relative_error, const VecX& error) const;
 
