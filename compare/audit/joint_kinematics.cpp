@@ -249,9 +249,10 @@ JointKinematics read_kinematics(const Joint& joint, const State& state, const Ev
   const Question question = question_of(on_its_way, asked, length, found);
   const SlopeMisfit misfit = answer(question, on_its_way);
   found.acceleration = misfit.slope.head(6);
-  found.udot = misfit.slope.tail(asked.size());
+  found.udot = is_asked ? VecX(misfit.slope.tail(asked.size())) : expected_udot;
   found.doubt_of_acceleration = misfit.doubt.head(6);
-  found.doubt_of_udot = misfit.doubt.tail(asked.size());
+  found.doubt_of_udot = VecX::Zero(expected_udot.size());
+  found.doubt_of_udot.head(asked.size()) = misfit.doubt.tail(asked.size());
   found.doubt_of_q = VecX::Zero(found.motion.q.size());
   found.doubt_of_u = VecX::Zero(found.motion.u.size());
   if (is_asked && magnifies(*joint.type, found.motion, length)) {

@@ -27,7 +27,7 @@ struct JointKinematics {
   Vec6 velocity = Vec6::Zero();
   /// The rate of that along the motion: what of a_rel - Sdot u no permitted acceleration gives [m/s2, rad/s2].
   Vec6 acceleration = Vec6::Zero();
-  /// Accelerations of the joint's speeds, udot, by differences; empty if nothing is expected of any.
+  /// Accelerations of the joint's speeds, udot, by differences; NaN if nothing is expected of any.
   VecX udot;
   /// How uncertain these differences are, by entry.
   Vec6 doubt_of_acceleration = Vec6::Zero();

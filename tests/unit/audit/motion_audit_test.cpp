@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 
 #include "common/joints/catalogue.h"
@@ -146,6 +147,8 @@ TEST(MotionAudit, ADrivenCoordinateFollowsItsLawAndBothItsRates) {
   expect_row(driven_by(law_of(-7.1 + 1e-4, -1.6, 3.2)), rule, "B", "turn_z");
   expect_row(driven_by(law_of(-7.1, -1.6 + 1e-4, 3.2)), rule, "B", "speed of turn_z");
   expect_row(driven_by(law_of(-7.1, -1.6, 3.2 + 1e-3)), rule, "B", "acceleration of turn_z");
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(driven_by(law_of(-7.1, -1.6, none)).finding(rule).digits, 0.0) << "by a law that gives no number";
 }
 
 /// A rod on two turns about one place of ground, its free end on the tip: near the axis of its first turn that turn is
