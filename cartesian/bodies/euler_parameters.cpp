@@ -13,9 +13,9 @@ Mat3 rotation_of(const Vec4& p) {
   const Vec3 twice = 2.0 * e;
   const Vec3 across = (2.0 * p(0)) * e;
   Mat3 A;
-  A.col(0) = vector(Two{along + twice.x() * e.x(), twice.x() * e.y() + across.z()}, twice.x() * e.z() - across.y());
-  A.col(1) = vector(Two{twice.y() * e.x() - across.z(), along + twice.y() * e.y()}, twice.y() * e.z() + across.x());
-  A.col(2) = vector(Two{twice.z() * e.x() + across.y(), twice.z() * e.y() - across.x()}, along + twice.z() * e.z());
+  A.col(0) = vector_of(Pair{along + twice.x() * e.x(), twice.x() * e.y() + across.z()}, twice.x() * e.z() - across.y());
+  A.col(1) = vector_of(Pair{twice.y() * e.x() - across.z(), along + twice.y() * e.y()}, twice.y() * e.z() + across.x());
+  A.col(2) = vector_of(Pair{twice.z() * e.x() + across.y(), twice.z() * e.y() - across.x()}, along + twice.z() * e.z());
   return A;
 }
 

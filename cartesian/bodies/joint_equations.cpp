@@ -61,7 +61,7 @@ std::optional<int> place_of_elevation(const joints::JointType& type) {
 
 void place_relative(const Marker& parent, const Marker& child, RelativeMotion& motion) {
   motion.d = transpose_times(parent.A_joint, Vec3(child.point - parent.point));
-  multiply_transpose(parent.A_joint, child.A_joint, motion.R);
+  transpose_times(parent.A_joint, child.A_joint, motion.R);
 }
 
 void move_relative(const Marker& parent, const Marker& child, RelativeMotion& motion) {

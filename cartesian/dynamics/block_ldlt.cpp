@@ -12,7 +12,7 @@ namespace concord::cartesian {
 
 namespace {
 
-std::vector<std::set<int>> neighbours(int n, const std::vector<BlockLdlt::Pair>& pairs) {
+std::vector<std::set<int>> neighbours(int n, const std::vector<BlockLdlt::Coupled>& pairs) {
   std::vector<std::set<int>> of(n);
   for (const auto& [one, other] : pairs) {
     of[one].insert(other);
@@ -23,7 +23,7 @@ std::vector<std::set<int>> neighbours(int n, const std::vector<BlockLdlt::Pair>&
 
 }  // namespace
 
-BlockLdlt::BlockLdlt(std::vector<int> sizes, const std::vector<Pair>& pairs)
+BlockLdlt::BlockLdlt(std::vector<int> sizes, const std::vector<Coupled>& pairs)
     : sizes_(std::move(sizes)),
       below_(sizes_.size()),
       updates_(sizes_.size()),
@@ -67,7 +67,7 @@ void BlockLdlt::set_zero() {
   const auto clear = [this](int place) {
     double* numbers = blocks_[place].data();
 #pragma GCC unroll 18
-    for (int k = 0; k < 36; k += 2) store_two(Two{}, numbers + k);
+    for (int k = 0; k < 36; k += 2) store_pair(Pair{}, numbers + k);
   };
   for (int k = 0; k < size(); ++k) {
     clear(k);
@@ -142,7 +142,7 @@ void BlockLdlt::solve(Mat6X& x) const {
   }
 }
 
-std::vector<int> elimination_order(int n, const std::vector<BlockLdlt::Pair>& pairs) {
+std::vector<int> elimination_order(int n, const std::vector<BlockLdlt::Coupled>& pairs) {
   std::vector<int> starts{0};
   std::vector<int> indices;
   for (const std::set<int>& own : neighbours(n, pairs)) {

@@ -31,34 +31,34 @@ template <int N>
 
 /// L^-1 x and L^-T x in place.
 [[gnu::always_inline]] inline void solve_lower(const Mat6& L, Vec6& x) {
-  Two pairs[3] = {load_two(x.data()), load_two(x.data() + 2), load_two(x.data() + 4)};
+  Pair pairs[3] = {load_pair(x.data()), load_pair(x.data() + 2), load_pair(x.data() + 4)};
 #pragma GCC unroll 3
   for (int own = 0; own < 3; ++own) {
     const double* column = L.col(2 * own).data();
     const double first = pairs[own][0];
     const double second = pairs[own][1] - column[2 * own + 1] * first;
-    pairs[own] = Two{first, second};
+    pairs[own] = Pair{first, second};
 #pragma GCC unroll 3
     for (int later = own + 1; later < 3; ++later) {
-      pairs[later] -= load_two(column + 2 * later) * first + load_two(column + 6 + 2 * later) * second;
+      pairs[later] -= load_pair(column + 2 * later) * first + load_pair(column + 6 + 2 * later) * second;
     }
-    store_two(pairs[own], x.data() + 2 * own);
+    store_pair(pairs[own], x.data() + 2 * own);
   }
 }
 [[gnu::always_inline]] inline void solve_upper(const Mat6& L, Vec6& x) {
-  Two pairs[3] = {load_two(x.data()), load_two(x.data() + 2), load_two(x.data() + 4)};
+  Pair pairs[3] = {load_pair(x.data()), load_pair(x.data() + 2), load_pair(x.data() + 4)};
 #pragma GCC unroll 3
   for (int own = 2; own >= 0; --own) {
     const int row = 2 * own;
     const double second = pairs[own][1];
     const double first = pairs[own][0] - L(row + 1, row) * second;
-    pairs[own] = Two{first, second};
+    pairs[own] = Pair{first, second};
 #pragma GCC unroll 3
     for (int before = 0; before < own; ++before) {
       const double* column = L.col(2 * before).data();
-      pairs[before] -= Two{column[row], column[6 + row]} * first + Two{column[row + 1], column[7 + row]} * second;
+      pairs[before] -= Pair{column[row], column[6 + row]} * first + Pair{column[row + 1], column[7 + row]} * second;
     }
-    store_two(pairs[own], x.data() + row);
+    store_pair(pairs[own], x.data() + row);
   }
 }
 
@@ -108,12 +108,12 @@ void divide_rows(const MatX& L, Rows&& X) {
 /// has no fill (C66). What a block has beyond its rows and columns stays zero.
 class BlockLdlt {
  public:
-  using Pair = std::pair<int, int>;
+  using Coupled = std::pair<int, int>;
 
   BlockLdlt() = default;
   /// With so many rows in each block row, 6 at most, of which these pairs have a block (either way round; those on the
   /// diagonal all have one).
-  BlockLdlt(std::vector<int> sizes, const std::vector<Pair>& pairs);
+  BlockLdlt(std::vector<int> sizes, const std::vector<Coupled>& pairs);
 
   [[nodiscard]] int size() const { return static_cast<int>(sizes_.size()); }
   /// Place of the block of a row and a column, row >= column, which must be in the pattern.
@@ -151,6 +151,6 @@ class BlockLdlt {
 };
 
 /// An order of little fill of n block rows of which these pairs have a block: the k-th to be eliminated.
-std::vector<int> elimination_order(int n, const std::vector<BlockLdlt::Pair>& pairs);
+std::vector<int> elimination_order(int n, const std::vector<BlockLdlt::Coupled>& pairs);
 
 }  // namespace concord::cartesian

@@ -79,7 +79,7 @@ void InertiaElimination::lay_out(const std::vector<std::vector<int>>& rows,
                                  std::map<BodyIndex, std::vector<NodeOfBlock>>& on_body) {
   const int n = static_cast<int>(rows.size());
   const auto pairs_of = [&] {
-    std::vector<BlockLdlt::Pair> pairs;
+    std::vector<BlockLdlt::Coupled> pairs;
     for (const auto& [body, own] : on_body) {
       for (const NodeOfBlock& one : own) {
         for (const NodeOfBlock& other : own) {
@@ -168,8 +168,8 @@ void InertiaElimination::read_rows(const Equations& equations, Leg& leg) {
     const double* other = row + 1 < leg.own.size() ? columns.col(leg.own[row + 1]).data() : no_row_.data();
     double* to = leg.J.data() + row;
 #pragma GCC unroll 6
-    for (int c = 0; c < 6; ++c) store_two(Two{one[c], other[c]}, to + 6 * c);
-    for (Eigen::Index c = 6; c < leg.J.cols(); ++c) store_two(Two{one[c], other[c]}, to + 6 * c);
+    for (int c = 0; c < 6; ++c) store_pair(Pair{one[c], other[c]}, to + 6 * c);
+    for (Eigen::Index c = 6; c < leg.J.cols(); ++c) store_pair(Pair{one[c], other[c]}, to + 6 * c);
   }
 }
 

@@ -1,23 +1,11 @@
 #pragma once
 
+#include "common/pair.h"
 #include "common/types.h"
 
 /// Products of three and six rows, written out over pairs of numbers and inlined by force: compilers leave Eigen's as
 /// calls, or spend more on them than on the sums themselves. Each sum keeps Eigen's order, column after column.
 namespace concord::relative {
-
-/// Two numbers that one instruction handles.
-using Pair [[gnu::vector_size(16)]] = double;
-
-/// From and to any address.
-[[gnu::always_inline]] inline Pair load_pair(const double* numbers) {
-  Pair pair;
-  __builtin_memcpy(&pair, numbers, sizeof(pair));
-  return pair;
-}
-[[gnu::always_inline]] inline void store_pair(const Pair& pair, double* numbers) {
-  __builtin_memcpy(numbers, &pair, sizeof(pair));
-}
 
 /// A x of three rows; `x` and `result` point to three numbers each.
 [[gnu::always_inline]] inline void multiply(const Mat3& A, const double* x, double* result) {

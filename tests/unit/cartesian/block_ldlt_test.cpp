@@ -19,7 +19,7 @@ const std::vector<int> kSizes = {6, 3, 5, 1, 6, 4, 2};
 constexpr int kBlocks = 7;
 
 /// A ring with two chords, in an order that fills.
-const std::vector<BlockLdlt::Pair> kPairs = {{0, 3}, {3, 6}, {6, 1}, {1, 4}, {4, 2}, {2, 5}, {5, 0}, {0, 1}, {2, 6}};
+const std::vector<BlockLdlt::Coupled> kPairs = {{0, 3}, {3, 6}, {6, 1}, {1, 4}, {4, 2}, {2, 5}, {5, 0}, {0, 1}, {2, 6}};
 
 class Assembled {
  public:
@@ -72,7 +72,7 @@ TEST(BlockLdlt, TellsAMatrixThatIsNotPositive) {
 }
 
 TEST(BlockLdlt, AChainHasNoFill) {
-  const std::vector<BlockLdlt::Pair> pairs = {{0, 1}, {2, 1}, {2, 3}};
+  const std::vector<BlockLdlt::Coupled> pairs = {{0, 1}, {2, 1}, {2, 3}};
   const BlockLdlt chain({5, 5, 5, 5}, pairs);
   EXPECT_NO_THROW((void)chain.find(2, 1));
   EXPECT_THROW((void)chain.find(2, 0), std::logic_error);
@@ -81,7 +81,7 @@ TEST(BlockLdlt, AChainHasNoFill) {
 
 /// A star's middle goes last.
 TEST(BlockLdlt, TheOrderKeepsFillLow) {
-  const std::vector<BlockLdlt::Pair> star = {{0, 1}, {0, 2}, {0, 3}, {0, 4}};
+  const std::vector<BlockLdlt::Coupled> star = {{0, 1}, {0, 2}, {0, 3}, {0, 4}};
   const std::vector<int> order = elimination_order(5, star);
   EXPECT_TRUE(order[4] == 0 || order[3] == 0);
 }
