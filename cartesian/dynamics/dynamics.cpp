@@ -102,7 +102,7 @@ bool Dynamics::solve_by_elimination() {
 /// What has changed since a state nearby is so little that the factors from there tell it.
 bool Dynamics::solve_by_factors_of(const Place& near) {
   constexpr double kLittle = 1e-10;  // of the sizes of terms; the factors miss about as small a part of it
-  if (!near.is_known || refinement_ == Refinement::exact) return false;
+  if (refinement_ == Refinement::exact) return false;
   unknowns_ = near.unknowns;
   elimination_->read(equations_);
   if (!(elimination_->largest_residual(right_side_, unknowns_, least_unknowns_) <= kLittle)) return false;
@@ -216,7 +216,8 @@ const Solution& Dynamics::solve_at_place(int number, bool again, double t, const
   equations_.update(t, q, Y);
   Place& place = places_[1 + number];
   elimination_ = &place.elimination;
-  const Solution& solution = solve(Pivots::kept, again ? &place : nullptr);
+  const bool is_near = std::exchange(place.is_known, false) && again;
+  const Solution& solution = solve(Pivots::kept, is_near ? &place : nullptr);
   place.unknowns = unknowns_;
   place.is_known = is_eliminated_;
   return solution;
