@@ -36,8 +36,8 @@ class LoopRows {
 
   /// Size of the smallest singular value, by inverse iteration as RowRank has it (R70).
   [[nodiscard]] double singular_value() const;
-  /// Factors the rows, and tells the same as a part of the largest row, or of 1; nothing unless that is far above all
-  /// at which rows may count as dependent (kBesideSingular), so that RowRank must judge.
+  /// Factors the rows, and tells the same as a part of the largest row, or of 1; nothing unless that is above all at
+  /// which rows may count as dependent (kBesideSingular), so that RowRank must judge.
   [[nodiscard]] std::optional<double> find_clear_singular_value();
 
  private:
