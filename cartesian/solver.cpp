@@ -108,8 +108,8 @@ class CartesianSolver : public Solver, public OpenEvaluation {
       if (is_turned_beyond(equations_, kQuarterTurn, guess.q)) {
         seek_turns(equations_, guess.t, modes, guess.q, q_, Y_);
       }
-      if (!close_machine(equations_, guess.t, Hold::constraints, modes, q_, Y_, shortest_, rank).closed)
-        return std::nullopt;
+      const Closing closing = close_machine(equations_, guess.t, Hold::constraints, modes, q_, Y_, shortest_, rank);
+      if (!closing.closed) return std::nullopt;
       if (is_turned_beyond(equations_, kHalfTurn, guess.q)) return std::nullopt;
     } catch (const SolverError&) {
       return std::nullopt;  // a deformation out of range on the way
