@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <new>
-#include <utility>
 
 #ifdef CONCORD_GPL
 #include <Eigen/SPQRSupport>
@@ -143,7 +142,7 @@ ShortestSolution ShortestSolver::solve(const SparseMatrix& A, const VecX& b, dou
     matrix_ = SparseMatrix();  // until the next is factorized
     if (!is_known) factors_ = std::make_unique<Factors>(next);
     factors_->factorize(next, tolerance);
-    matrix_ = std::move(next);
+    matrix_.swap(next);
   }
   if (factors_->rank() == 0) return {VecX::Zero(A.rows()), 0};
   return {factors_->solve(b), factors_->rank()};

@@ -27,7 +27,7 @@ struct Quantity {
   int component = 0;            // 0..5 for wrenches; joint speed for forces on it; place in [vdot; omegadot; addot]
   Actor actor = Actor::driver;  // of a share
 
-  friend auto operator<=>(const Quantity&, const Quantity&) = default;
+  friend auto operator<=>(const Quantity&, const Quantity&) = default;  // NOLINT(modernize-use-nullptr): as of indices
 };
 
 /// A force along a coordinate, or of a coupling: a number by itself, no component of a vector.

@@ -87,7 +87,7 @@ int ScaledClosure::rank_here(ClosureRows which, Modes modes) const {
   return rank_here(closure(), which, moving_columns(equations_->driven(), modes));
 }
 
-int ScaledClosure::rank_here(const Closure& measured, ClosureRows which, std::vector<int> columns) const {
+int ScaledClosure::rank_here(const Closure& measured, ClosureRows which, const std::vector<int>& columns) const {
   const int n_rows = which == ClosureRows::of_positions ? measured.n_position_rows() : measured.n_rows();
   if (LoopRows(*this, measured, columns).find_clear_singular_value()) return n_rows;
   return RowRank(rows(measured, columns).topRows(n_rows)).rank();

@@ -57,7 +57,7 @@ class ScaledClosure {
   /// The same where the machine stands.
   [[nodiscard]] int rank_here(ClosureRows rows, Modes modes) const;
   /// The same of a closure with other prescribed coordinates, over the given columns.
-  [[nodiscard]] int rank_here(const Closure& measured, ClosureRows rows, std::vector<int> columns) const;
+  [[nodiscard]] int rank_here(const Closure& measured, ClosureRows rows, const std::vector<int>& columns) const;
 
  private:
   Equations* equations_;
