@@ -85,20 +85,17 @@ void Collocation::keep_rates(int m, const VecX& y, const VecX& ydot, PointRates&
     rates.a(k, m) = y(at_a_[k]);
     rates.adot(k, m) = y(at_adot_[k]);
   }
+  take_rest(m, rates);
+}
+
+void Collocation::take_rest(int m, PointRates& rates) const {
   const auto& inverse = vibrations_.inverse_E();
   for (Eigen::Index k = 0; k < vibrations_.size(); ++k) {
     double addot = 0.0;
-    for (Eigen::Index l = 0; l < vibrations_.size(); ++l) addot += inverse(k, l) * ydot(at_adot_[l]);
+    for (Eigen::Index l = 0; l < vibrations_.size(); ++l) addot += inverse(k, l) * rates.ydot(at_adot_[l], m);
     rates.g(k, m) = addot + vibrations_.twice_delta()(k) * inverse.row(k).dot(rates.adot.col(m)) +
                     vibrations_.lambda()(k) * inverse.row(k).dot(rates.a.col(m));
   }
-}
-
-void Collocation::take_rest(PointRates& rates) const {
-  if (vibrations_.size() == 0) return;
-  const auto& inverse = vibrations_.inverse_E();
-  rates.g = inverse * rates.ydot(at_adot_, Eigen::all) + vibrations_.twice_delta().asDiagonal() * inverse * rates.adot +
-            vibrations_.lambda().asDiagonal() * inverse * rates.a;
 }
 
 void Collocation::write_change(const Eigen::Ref<const VecX>& of_ydot, const Eigen::Ref<const VecX>& of_g,

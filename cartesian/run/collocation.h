@@ -43,8 +43,8 @@ class Collocation {
 
   /// What was found at point m, where the solution is y.
   void keep_rates(int m, const VecX& y, const VecX& ydot, PointRates& rates) const;
-  /// g from ydot, a and adot, with the vibrations as they are now.
-  void take_rest(PointRates& rates) const;
+  /// g at point m from ydot, a and adot, with the vibrations as they are now.
+  void take_rest(int m, PointRates& rates) const;
   /// Writes, over y, the changes of rates that differences of ydot and of g stand for: those of modes by g.
   void write_change(const Eigen::Ref<const VecX>& of_ydot, const Eigen::Ref<const VecX>& of_g, VecX& change) const;
 

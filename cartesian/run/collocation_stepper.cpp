@@ -156,7 +156,7 @@ class CollocationStepper : public Stepper {
   /// From the last solution, which is near.
   void renew_vibrations() {
     vibrations_.renew(dynamics_);
-    main_.take_rest(last_);
+    for (int m = 0; m < kPoints; ++m) main_.take_rest(m, last_);
     since_renewed_ = 0;
   }
 
