@@ -6,7 +6,6 @@
 #include <string>
 
 #include "compare/random_machines/generator.h"
-#include "compare/report/command_line.h"
 #include "compare/report/console.h"
 #include "compare/states/branch.h"
 #include "compare/verdict/verify.h"
@@ -31,8 +30,5 @@ struct FuzzCommand {
 /// differ or stop without a known reason, 3 if one crashes, hangs or exceeds its memory, 2 for a style that is not
 /// known. What is written to `out` depends on seed, style, `first` and count alone.
 int fuzz_machines(const FuzzCommand& command, const SolverMakers& makers, const Console& console);
-
-/// Adds the command `fuzz`.
-void add_fuzz(CommandLine& line);
 
 }  // namespace concord::compare::fuzz

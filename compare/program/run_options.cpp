@@ -6,7 +6,7 @@
 #include <string>
 
 #include "common/reading/magnitude.h"
-#include "compare/report/command_line.h"
+#include "compare/program/command_line.h"
 
 namespace concord::compare {
 

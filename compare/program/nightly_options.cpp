@@ -1,4 +1,4 @@
-#include "compare/nightly/options.h"
+#include "compare/program/nightly_options.h"
 
 #include <string_view>
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "compare/report/command_line.h"
+#include "compare/program/command_line.h"
 
 namespace concord::compare::nightly {
 
