@@ -10,8 +10,8 @@ template class Eigen::HouseholderQR<concord::MatX>;
 template class Eigen::JacobiSVD<concord::MatX>;
 template Eigen::LLT<concord::MatX>& Eigen::LLT<concord::MatX>::compute(const Eigen::EigenBase<concord::MatX>&);
 
-/// Of LAPACK: singular values by divide and conquer, and eigenvalues of a general matrix, which it balances. The last
-/// arguments are the lengths of the texts before.
+/// Of LAPACK: singular values by divide and conquer, eigenvalues of a general matrix, which it balances, and complex
+/// equations. Last arguments are the lengths of texts before.
 extern "C" {
 void dgesdd_(const char* job, const int* m, const int* n, double* a, const int* lda, double* s, double* u,
              const int* ldu, double* vt, const int* ldvt, double* work, const int* lwork, int* iwork, int* info,
@@ -19,6 +19,8 @@ void dgesdd_(const char* job, const int* m, const int* n, double* a, const int* 
 void dgeev_(const char* left, const char* right, const int* n, double* a, const int* lda, double* wr, double* wi,
             double* vl, const int* ldvl, double* vr, const int* ldvr, double* work, const int* lwork, int* info,
             std::size_t length_of_left, std::size_t length_of_right);
+void zgesv_(const int* n, const int* columns, std::complex<double>* a, const int* lda, int* pivots,
+            std::complex<double>* b, const int* ldb, int* info);
 }
 
 namespace concord {
@@ -82,6 +84,8 @@ MatX solve_by_complete_pivoting(const MatX& A, const MatX& B) { return A.fullPiv
 
 MatX least_squares(const MatX& A, const MatX& B) { return A.colPivHouseholderQr().solve(B); }
 
+VecX least_squares(const Eigen::ColPivHouseholderQR<MatX>& factors, const VecX& b) { return factors.solve(b); }
+
 MatX smallest_least_squares(const MatX& A, const MatX& B, std::optional<double> threshold) {
   Eigen::CompleteOrthogonalDecomposition<MatX> factors;
   if (threshold) factors.setThreshold(*threshold);
@@ -90,7 +94,17 @@ MatX smallest_least_squares(const MatX& A, const MatX& B, std::optional<double> 
 
 MatX kernel_of(const MatX& A) { return A.fullPivLu().kernel(); }
 
-Eigen::MatrixXcd inverse_of(const Eigen::MatrixXcd& A) { return A.partialPivLu().inverse(); }
+Eigen::MatrixXcd inverse_of(const Eigen::MatrixXcd& A) {
+  if (A.size() == 0) return A;
+  const int n = lapack_size(A.rows());
+  Eigen::MatrixXcd factors = A;
+  Eigen::MatrixXcd inverse = Eigen::MatrixXcd::Identity(n, n);
+  Eigen::VectorXi pivots(n);
+  int info = 0;
+  zgesv_(&n, &n, factors.data(), &n, pivots.data(), inverse.data(), &n, &info);
+  if (info != 0) inverse.setConstant(kNotANumber);
+  return inverse;
+}
 
 MatX orthonormal_columns(const MatX& A) {
   const Eigen::HouseholderQR<MatX> factors(A);

@@ -21,6 +21,8 @@ MatX solve_square(const MatX& A, const MatX& B);
 MatX solve_by_complete_pivoting(const MatX& A, const MatX& B);
 /// x with which A x comes closest to B; if A lacks rank, one of them.
 MatX least_squares(const MatX& A, const MatX& B);
+/// The same of factors that a threshold may cut off.
+VecX least_squares(const Eigen::ColPivHouseholderQR<MatX>& factors, const VecX& b);
 /// The smallest of the x with which A x comes closest to B. Pivots below `threshold` of the largest count as zero;
 /// without one, those of round-off.
 MatX smallest_least_squares(const MatX& A, const MatX& B, std::optional<double> threshold = {});
@@ -36,6 +38,7 @@ struct Svd {
 Svd svd_of(const MatX& A);
 /// Columns that span what A maps to zero; one column of zeros if there is nothing.
 MatX kernel_of(const MatX& A);
+/// Not numbers where A is singular.
 Eigen::MatrixXcd inverse_of(const Eigen::MatrixXcd& A);
 
 /// As many orthonormal columns as A has, spanning the same if these are independent.

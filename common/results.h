@@ -12,7 +12,7 @@ namespace concord {
 /// omega, all in global axes; modal coordinates a and their rates.
 struct BodyState {
   Vec3 r = Vec3::Zero();
-  Vec4 p = Vec4::Unit(0);
+  Vec4 p{1.0, 0.0, 0.0, 0.0};
   Vec3 v = Vec3::Zero();
   Vec3 omega = Vec3::Zero();
   VecX a;

@@ -5,6 +5,7 @@
 
 #include "cartesian/dynamics/reactions.h"
 #include "cartesian/rank/constraint_rank.h"
+#include "common/products.h"
 
 namespace concord::cartesian {
 
@@ -33,7 +34,7 @@ class NullSpaceEffect {
     for (Eigen::Index z = 0; z < null_space.cols(); ++z) {
       own.col(z) = joint_multipliers(joint, scaled.row_scale.cwiseProduct(null_space.col(z)));
     }
-    moved_ = of_rows * own;
+    moved_ = product(of_rows, own);
     VecX units = VecX::Zero(24 + 2 * n_u_);  // largest that a unit multiplier of the scaled rows moves
     for (int row = 0; row < joint.n_rows; ++row) {
       units = units.cwiseMax(of_rows.col(row).cwiseAbs() * scaled.row_scale(joint.row(row).value));

@@ -1,8 +1,10 @@
 #include "cartesian/run/vibrations.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "common/decompositions.h"
+#include "common/products.h"
 
 namespace concord::cartesian {
 
@@ -46,16 +48,17 @@ void Vibrations::renew(Dynamics& dynamics) {
   ++version_;
   if (size() == 0) return;
   measure_compliance(dynamics);
-  const Eigen::SelfAdjointEigenSolver<MatX> of_P(unit_.cwiseInverse().asDiagonal() * compliance_ *
-                                                 unit_.cwiseInverse().asDiagonal());
-  const VecX root = of_P.eigenvalues().cwiseMax(kLocked).cwiseSqrt();
-  const MatX R = unit_.asDiagonal() * of_P.eigenvectors() * root.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<MatX> of_K(R.transpose() * stiffness_ * R);
-  E_ = R * of_K.eigenvectors();
-  inverse_E_ = of_K.eigenvectors().transpose() * root.cwiseInverse().asDiagonal() * of_P.eigenvectors().transpose() *
-               unit_.cwiseInverse().asDiagonal();
-  lambda_ = of_K.eigenvalues();
-  twice_delta_ = (E_.transpose() * damping_ * E_).diagonal();
+  const SymmetricEigenpairs of_P =
+      symmetric_eigenpairs(unit_.cwiseInverse().asDiagonal() * compliance_ * unit_.cwiseInverse().asDiagonal());
+  const VecX root = of_P.values.cwiseMax(kLocked).cwiseSqrt();
+  const MatX R = unit_.asDiagonal() * of_P.vectors * root.asDiagonal();
+  const SymmetricEigenpairs of_K = symmetric_eigenpairs(congruence(R, stiffness_));
+  E_ = product(R, of_K.vectors);
+  const MatX inverse_R =
+      root.cwiseInverse().asDiagonal() * of_P.vectors.transpose() * unit_.cwiseInverse().asDiagonal();
+  inverse_E_ = transposed_product(of_K.vectors, inverse_R);
+  lambda_ = of_K.values;
+  twice_delta_ = congruence(E_, damping_).diagonal();
   const VecX delta = 0.5 * twice_delta_.cwiseAbs();
   const VecX beyond = (delta.cwiseAbs2() - lambda_).cwiseMax(0.0).cwiseSqrt();  // of overdamped ones
   fastest_ = lambda_.cwiseAbs().cwiseSqrt().cwiseMax(delta + beyond).maxCoeff();

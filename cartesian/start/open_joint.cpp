@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cartesian/rank/closing_system.h"
+#include "common/decompositions.h"
 
 namespace concord::cartesian {
 
@@ -55,7 +56,7 @@ VecX damped_step(const ClosingSystem& system, double damping) {
   damped.bottomRows(columns).diagonal().setConstant(damping);
   VecX right = VecX::Zero(rows + columns);
   right.head(rows) = -system.residual;
-  return damped.householderQr().solve(right);
+  return least_squares(damped, right);
 }
 
 /// Levenberg's and Marquardt's method on the sum of the squared residuals, which need not vanish; returns what is left.
@@ -137,13 +138,13 @@ std::optional<JointGap> gap_of(const joints::JointType& type, const RelativeMoti
   ConstraintRow rows[kMaxRows];
   for (int step = 0; step < kMostSteps; ++step) {
     const int n = evaluate_forbids(type, nearest, rows);
-    Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor> gradients(n, 6);
+    MatX gradients(n, 6);
     VecX values(n);
     for (int k = 0; k < n; ++k) {
       gradients.row(k) << length * rows[k].over_d.transpose(), rows[k].over_rho.transpose();
       values(k) = rows[k].value;
     }
-    Vec6 move = gradients.completeOrthogonalDecomposition().solve(-values);
+    Vec6 move = smallest_least_squares(gradients, -values);
     if (!move.allFinite()) return std::nullopt;
     const double farthest = move.lpNorm<Eigen::Infinity>();
     if (farthest > kLongestStep) move *= kLongestStep / farthest;

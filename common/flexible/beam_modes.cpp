@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "common/decompositions.h"
+#include "common/products.h"
 
 namespace concord::beams {
 
@@ -62,7 +63,7 @@ class ShiftedInverse {
 
   [[nodiscard]] MatX solve(const MatX& right) const {
     const MatX result = factorization_.solve(right);
-    return result - rigid_ * (M_rigid_.transpose() * result);
+    return result - product(rigid_, transposed_product(M_rigid_, result));
   }
 
  private:
@@ -174,7 +175,7 @@ void orthogonalize(FamilyModes& modes) {
   const MatX stiffness = reduce(modes.line, strain, modes.line.stiffness, modes.shapes);
   const auto solution = symmetric_eigenpairs(stiffness, mass);
   if (!solution) throw std::runtime_error("beam: the chosen modes are not independent");
-  modes.shapes *= solution->vectors;
+  modes.shapes = product(modes.shapes, solution->vectors);
   modes.frequencies = solution->values.cwiseSqrt();
   fix_signs(modes.line, modes.shapes);
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "common/decompositions.h"
+#include "common/products.h"
 #include "common/reading/magnitude.h"
 #include "common/reading/model_checks.h"
 #include "common/reading/text_file.h"
@@ -41,7 +42,7 @@ MatX products_of_fields(const MatX& G, int n_modes) {
       fields.block<3, 1>(1, 3 + turn) = Vec3::Unit(c).cross(Vec3::Unit(turn));
     }
     for (int mode = 0; mode < n_modes; ++mode) fields(4 + 3 * mode + c, 6 + mode) = 1.0;
-    products += fields.transpose() * G * fields;
+    products += congruence(fields, G);
   }
   return products;
 }
@@ -52,7 +53,7 @@ bool hold_a_rigid_motion(const MatX& G, int n_modes) {
   const MatX products = products_of_fields(G, n_modes);
   const MatX beside = products.topRightCorner(6, n_modes);
   const MatX left = products.bottomRightCorner(n_modes, n_modes) -
-                    beside.transpose() * smallest_least_squares(products.topLeftCorner(6, 6), beside);
+                    transposed_product(beside, smallest_least_squares(products.topLeftCorner(6, 6), beside));
   const VecX sizes = products.diagonal().tail(n_modes).cwiseSqrt().cwiseInverse();
   const MatX scaled = sizes.asDiagonal() * left * sizes.asDiagonal();
   return symmetric_eigenvalues(scaled).minCoeff() < kRigid;
@@ -238,8 +239,8 @@ void add_frequencies_and_damping(const TableReader& document, ModalData& data) {
   } else if (document.has("damping")) {
     data.damping = read_square(document, "damping", m).value_or(data.damping);
   } else if (const auto ratios = read_damping_ratios(document, m)) {
-    const MatX shapes = mass * modes->vectors;
-    data.damping = shapes * (2.0 * ratios->cwiseProduct(data.frequencies)).asDiagonal() * shapes.transpose();
+    const MatX shapes = product(mass, modes->vectors);
+    data.damping = product(shapes * (2.0 * ratios->cwiseProduct(data.frequencies)).asDiagonal(), shapes.transpose());
     check_bounded(document, "damping_ratios", "the damping's entries", data.damping);
   }
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/decompositions.h"
+#include "common/products.h"
 #include "compare/quantities/agreement.h"
 #include "compare/states/draws.h"
 
@@ -43,8 +44,8 @@ struct Motions {
 Eigenpairs undamped_pairs(const MatX& A, const Motions& motions) {
   const Eigen::Index n = motions.held.cols();
   if (n == 0) return {};
-  const MatX pull = A * motions.held;
-  const GeneralEigenpairs solution = eigenpairs(motions.held.transpose() * pull);
+  const MatX pull = product(A, motions.held);
+  const GeneralEigenpairs solution = eigenpairs(transposed_product(motions.held, pull));
   const Eigen::MatrixXcd& vectors = solution.vectors;
   Eigenpairs pairs{Eigen::VectorXcd(2 * n), Eigen::MatrixXcd(A.rows(), 2 * n)};
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -64,14 +65,14 @@ Eigenpairs undamped_pairs(const MatX& A, const Motions& motions) {
 class FirstOrder {
  public:
   FirstOrder(const MatX& A, const MatX& B, double frequency, const Motions& motions)
-      : motions_(motions), frequency_(frequency), all_(A.rows(), A.rows()), pull_(A * motions.held), B_(B) {
+      : motions_(motions), frequency_(frequency), all_(A.rows(), A.rows()), pull_(product(A, motions.held)), B_(B) {
     const Eigen::Index n = A.rows();
     const Eigen::Index held = motions.held.cols();
     all_ << motions.free, motions.held;
     matrix_ = MatX::Zero(held + n, held + n);
     matrix_.topRightCorner(held, held).diagonal().setConstant(frequency);
-    matrix_.bottomLeftCorner(n, held) = all_.transpose() * pull_ / frequency;
-    matrix_.bottomRightCorner(n, n) = all_.transpose() * B * all_;
+    matrix_.bottomLeftCorner(n, held) = transposed_product(all_, pull_) / frequency;
+    matrix_.bottomRightCorner(n, n) = congruence(all_, B);
   }
 
   /// Orthonormal rates of free motions that no damping holds either: they move on for ever, while the held ones stand
@@ -82,10 +83,10 @@ class FirstOrder {
     if (free == 0) return {n, 0};
     MatX unreached = MatX::Identity(n, n);  // by the held ones
     if (pull_.cols() > 0) unreached = orthogonal_completion(pull_);
-    const Eigen::JacobiSVD<MatX> decay(MatX(unreached.rightCols(free).transpose() * B_ * motions_.free),
+    const Eigen::JacobiSVD<MatX> decay(transposed_product(unreached.rightCols(free), product(B_, motions_.free)),
                                        Eigen::ComputeFullV);
     const Eigen::Index kept = (decay.singularValues().array() > resolution).count();
-    return motions_.free * decay.matrixV().rightCols(free - kept);
+    return product(motions_.free, decay.matrixV().rightCols(free - kept));
   }
 
   /// All eigenpairs but those of `steady`, what undamped_free() found.
@@ -97,8 +98,8 @@ class FirstOrder {
     if (steady.cols() > 0) split = orthogonal_completion(states_of(steady));
     const MatX zeros = split.leftCols(steady.cols());
     const MatX others = split.rightCols(left);
-    const MatX flow = matrix_ * others;
-    const GeneralEigenpairs solution = eigenpairs(others.transpose() * flow);
+    const MatX flow = product(matrix_, others);
+    const GeneralEigenpairs solution = eigenpairs(transposed_product(others, flow));
     const Eigen::MatrixXcd& vectors = solution.vectors;
     Eigenpairs pairs{solution.values, Eigen::MatrixXcd(B_.rows(), left)};
     for (Eigen::Index k = 0; k < left; ++k) {
@@ -115,8 +116,8 @@ class FirstOrder {
   [[nodiscard]] MatX states_of(const MatX& steady) const {
     const Eigen::Index held = motions_.held.cols();
     MatX states = MatX::Zero(matrix_.rows(), steady.cols());
-    if (held > 0) states.topRows(held) = -frequency_ * least_squares(pull_, B_ * steady);
-    states.middleRows(held, motions_.free.cols()) = motions_.free.transpose() * steady;
+    if (held > 0) states.topRows(held) = -frequency_ * least_squares(pull_, product(B_, steady));
+    states.middleRows(held, motions_.free.cols()) = transposed_product(motions_.free, steady);
     return states;
   }
 

@@ -8,6 +8,7 @@
 
 #include "common/decompositions.h"
 #include "common/error.h"
+#include "common/products.h"
 #include "compare/analyses/deviations.h"
 #include "compare/analyses/eigenmodes.h"
 #include "compare/analyses/kinematics.h"
@@ -181,12 +182,11 @@ double coupling_of_modes(const Linearization& found, const MatX& dA, const MatX&
   const GeneralEigenpairs modes = eigenpairs(S);
   const Eigen::MatrixXcd inverse = inverse_of(modes.vectors);
   if (!inverse.allFinite()) return 0.0;
-  const MatX coupling = (inverse * first_order(dA, dB, 0.0) * modes.vectors).cwiseAbs();
-  const MatX open =
-      inverse.cwiseAbs() *
-      (kTimesOpen * first_order(found.A_error, found.B_error, 0.0) + kRoundOff * first_order(found.A, found.B, 0.0))
-          .cwiseAbs() *
-      modes.vectors.cwiseAbs();
+  const Eigen::MatrixXcd pulled = inverse * first_order(dA, dB, 0.0);
+  const MatX coupling = (pulled * modes.vectors).cwiseAbs();
+  const MatX errors =
+      kTimesOpen * first_order(found.A_error, found.B_error, 0.0) + kRoundOff * first_order(found.A, found.B, 0.0);
+  const MatX open = product(inverse.cwiseAbs(), product(errors.cwiseAbs(), modes.vectors.cwiseAbs()));
   const double slowest = std::max(found.resolution, found.slowest);
   double largest = 0.0;
   const Eigen::Index n = found.A.rows();
@@ -210,7 +210,7 @@ double turned_between(const MatX& directions, const MatX& others) {
   if (others.cols() != directions.cols()) return HUGE_VAL;
   const MatX here = orthonormal_columns(directions);
   const MatX there = orthonormal_columns(others);
-  return (there - here * (here.transpose() * there)).norm();
+  return outside_span(here, there).norm();
 }
 
 /// Nothing where there is none: at a kink of a force, in a singular pose.
@@ -234,8 +234,8 @@ double change_along_motion(const Model& model, Solver& solver, const Linearizati
   if (turned == HUGE_VAL) return turned;
   const MatX to_here = least_squares(found.directions, there.directions);
   const MatX from_here = least_squares(there.directions, found.directions);
-  const MatX dA = to_here * there.A * from_here - found.A;
-  const MatX dB = to_here * there.B * from_here - found.B;
+  const MatX dA = product(to_here, product(there.A, from_here)) - found.A;
+  const MatX dB = product(to_here, product(there.B, from_here)) - found.B;
   double fastest = found.rate;
   for (const Mode& mode : found.modes) fastest = std::max(fastest, std::abs(mode.eigenvalue));
   return std::max(std::max({dA.norm() / (fastest * fastest), dB.norm() / fastest, turned}) / kMovesBy,

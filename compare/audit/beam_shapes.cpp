@@ -10,6 +10,7 @@
 #include "common/decompositions.h"
 #include "common/error.h"
 #include "common/flexible/beam.h"
+#include "common/products.h"
 
 namespace concord::compare {
 
@@ -212,15 +213,16 @@ ShapeMisfit compute_misfit_of_shapes(const ModalData& modal) {
     const MatX numbers = numbers_of(modal, of, h);
     if (numbers.isZero(0.0)) continue;
     const LineMatrices line = assemble_line(of, beam.elements, h);
-    modal_mass += numbers.transpose() * line.M * numbers;
+    modal_mass += congruence(numbers, line.M);
     const StatedShapes stated = stated_shapes(beam, of, line);
     MatX rest = numbers;
     if (stated.columns.cols() > 0) {
-      const VecX sizes = (stated.columns.transpose() * line.M * stated.columns).diagonal().cwiseSqrt().cwiseInverse();
+      const VecX sizes = congruence(stated.columns, line.M).diagonal().cwiseSqrt().cwiseInverse();
       const MatX scaled = stated.columns * sizes.asDiagonal();
-      rest -= scaled * solve_square(scaled.transpose() * line.M * scaled, scaled.transpose() * line.M * numbers);
+      const MatX M_numbers = product(line.M, numbers);
+      rest -= product(scaled, solve_square(congruence(scaled, line.M), transposed_product(scaled, M_numbers)));
     }
-    const VecX squares = (rest.transpose() * line.M * rest).diagonal();
+    const VecX squares = congruence(rest, line.M).diagonal();
     beyond.row(static_cast<Eigen::Index>(of.family)) =
         (squares.cwiseAbs().cwiseSqrt().array() - stated.doubt).cwiseMax(0.0);
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/flexible/beam.h"
+#include "common/products.h"
 #include "compare/audit/beam_shapes.h"
 
 namespace concord::compare {
@@ -124,8 +125,8 @@ BeamIntegrals integrate_beam(const BeamSpecification& beam, const std::vector<No
     for (const auto& [s, weight] : kBeamPoints) {
       const BeamStrains strains = element.strains(s);
       const MatX pulled = (weight * width * rigidity).asDiagonal() * strains.values;
-      sums.stiffness += strains.values.transpose() * pulled;
-      const MatX doubted = strains.sizes.transpose() * pulled.cwiseAbs();
+      sums.stiffness += transposed_product(strains.values, pulled);
+      const MatX doubted = transposed_product(strains.sizes, pulled.cwiseAbs());
       sums.doubt += kRoundOffOfBeam * (doubted + doubted.transpose());
       const std::array<VecX, 3> w = places_of_section(beam, width * (e + s), element.at(s));
       for (std::size_t k = 0; k < 3; ++k) {

@@ -7,6 +7,7 @@
 
 #include "common/decompositions.h"
 #include "common/joints/catalogue.h"
+#include "common/products.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/machine_rank.h"
 
@@ -53,7 +54,7 @@ std::optional<Mat6X> directions_of(const joints::JointType& type, const Relative
   constexpr double kThere = 1e-9;
   const JointMotion motion = read_motion(type, at, {});
   if (!((motion.d - at.d).norm() <= kThere * length && (motion.R - at.R).norm() <= kThere)) return std::nullopt;
-  Mat6X directions = motion.S * motion.free;
+  Mat6X directions = product(motion.S, motion.free);
   directions.topRows<3>() /= length;
   return directions;
 }
@@ -62,7 +63,7 @@ std::optional<Mat6X> directions_of(const joints::JointType& type, const Relative
 bool spans(const Mat6X& outer, const Mat6X& inner) {
   constexpr double kContained = 1e-9;
   const MatX basis = orthonormal_columns(outer);
-  return (inner - basis * (basis.transpose() * inner)).norm() <= kContained * (1.0 + inner.norm());
+  return outside_span(basis, inner).norm() <= kContained * (1.0 + inner.norm());
 }
 
 std::vector<Candidate> candidates(const Model& model, const MachineConstraints& constraints) {
@@ -81,7 +82,7 @@ std::vector<Candidate> candidates(const Model& model, const MachineConstraints& 
       const auto directions = directions_of(*type, constraints.placement_of(joint), model.length_scale());
       if (!directions || !spans(*directions, permitted)) continue;
       if (!keeps(forced, has, permitted, *type, *directions)) continue;
-      all.push_back({{joint, type}, freed, directions->transpose() * stresses});
+      all.push_back({{joint, type}, freed, transposed_product(*directions, stresses)});
     }
   }
   return all;

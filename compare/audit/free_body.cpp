@@ -112,6 +112,8 @@ VecX largest_ways(const Body& body, double length) {
   return largest;
 }
 
+void Balance::raise_scales(const VecX& terms) { scales = scales.cwiseMax(terms); }
+
 FreeBodies::FreeBodies(const Model& model)
     : model_(model), points_of_rigid_(model.bodies.size()), ends_(model.bodies.size()) {
   for (std::size_t i = 0; i < model.bodies.size(); ++i) mass_points_of(model.bodies[i], points_of_rigid_[i]);

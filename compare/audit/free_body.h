@@ -31,7 +31,7 @@ struct Balance {
   VecX rows;
   VecX scales;
 
-  void raise_scales(const VecX& terms) { scales = scales.cwiseMax(terms); }
+  void raise_scales(const VecX& terms);
 };
 
 /// The bodies of a model, each with its mass points and with the ends of joints and force elements on it.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/decompositions.h"
+#include "common/products.h"
 #include "compare/audit/free_body.h"
 #include "compare/audit/motion_audit.h"
 
@@ -81,7 +82,7 @@ MachineConstraints::MachineConstraints(const Model& model, const State& state)
   add_multipliers();
   forces_ = MatX::Zero(units_.size(), static_cast<Eigen::Index>(owners_.size()));
   for (std::size_t k = 0; k < joints_.size(); ++k) {
-    forces_ += velocities_of(k, state).transpose() * (joints_[k].reaction + joints_[k].coordinate);
+    forces_ += transposed_product(velocities_of(k, state), joints_[k].reaction + joints_[k].coordinate);
   }
   normalize();
   decompose();
@@ -155,7 +156,7 @@ void MachineConstraints::add_coordinate_force(int joint, int speed, double facto
   AtJoint& at = joints_[joint];
   const Mat6X& S = motions_[joint].S;
   const Mat6X span = coordinate_wrench_directions(*model_.joints[joint].type, at.relative, S);
-  const VecX shares = solve_by_complete_pivoting(S.transpose() * span, factor * VecX::Unit(S.cols(), speed));
+  const VecX shares = solve_by_complete_pivoting(transposed_product(S, span), factor * VecX::Unit(S.cols(), speed));
   Vec6 wrench = span * shares;
   wrench.head<3>() *= length_;
   at.coordinate.col(column) += wrench;
@@ -239,14 +240,14 @@ MatX MachineConstraints::on_side(const AtJoint& at, Side side, const Mat6X& wren
 /// What all self-stresses move at a joint, component by component.
 MachineConstraints::Moved MachineConstraints::moved_at(std::size_t k) const {
   Moved moved;
-  const Mat6X reaction = joints_[k].reaction * self_stresses_;
-  const Mat6X total = reaction + joints_[k].coordinate * self_stresses_;
+  const Mat6X reaction = product(joints_[k].reaction, self_stresses_);
+  const Mat6X total = reaction + product(joints_[k].coordinate, self_stresses_);
   for (const Side side : kSides) {
     moved.reaction[index(side)] = on_side(joints_[k], side, reaction).rowwise().norm();
     moved.total[index(side)] = on_side(joints_[k], side, total).rowwise().norm();
   }
-  moved.tau = (joints_[k].tau * self_stresses_).rowwise().norm();
-  moved.driver = (joints_[k].driver * self_stresses_).rowwise().norm();
+  moved.tau = product(joints_[k].tau, self_stresses_).rowwise().norm();
+  moved.driver = product(joints_[k].driver, self_stresses_).rowwise().norm();
   const std::vector<bool> turns = turning_speeds(*model_.joints[k].type);
   for (Eigen::Index c = 0; c < moved.tau.size(); ++c) {
     if (turns[static_cast<std::size_t>(c)]) continue;
@@ -313,10 +314,12 @@ Mat6X MachineConstraints::reactions_on(int joint, Side side) const {
 }
 
 Mat6X MachineConstraints::permitted_by(int joint) const {
-  Mat6X directions = motions_[joint].S * motions_[joint].free;
+  Mat6X directions = product(motions_[joint].S, motions_[joint].free);
   directions.topRows<3>() /= length_;
   return directions;
 }
+
+Mat6X MachineConstraints::stresses_of(int joint) const { return product(joints_[joint].reaction, self_stresses_); }
 
 SpanOfVelocities MachineConstraints::hold_against(const MatX& velocities) const {
   constexpr double kObeyed = 1e-8;
@@ -324,7 +327,7 @@ SpanOfVelocities MachineConstraints::hold_against(const MatX& velocities) const 
   SpanOfVelocities span;
   if (velocities.cols() > 0) {
     const MatX in_units = orthonormal_columns(units_.cwiseInverse().asDiagonal() * velocities);
-    const MatX misfits = forces_.transpose() * in_units;
+    const MatX misfits = transposed_product(forces_, in_units);
     for (Eigen::Index row = 0; row < misfits.rows(); ++row) {
       const double misfit = misfits.row(row).norm();
       if (!(misfit > span.misfit)) continue;
@@ -332,7 +335,7 @@ SpanOfVelocities MachineConstraints::hold_against(const MatX& velocities) const 
       span.worst = owners_[static_cast<std::size_t>(row)];
     }
     span.holds_nothing_else = span.misfit < kObeyed;
-    const MatX left = permitted_ - in_units * (in_units.transpose() * permitted_);
+    const MatX left = outside_span(in_units, permitted_);
     span.holds_all = permitted_.cols() == 0 || left.colwise().norm().maxCoeff() < kContained;
   } else {
     span.holds_all = permitted_.cols() == 0;

@@ -46,7 +46,7 @@ class MachineConstraints {
   /// The directions in which the joint can move, [d / l; turn] in the parent's joint frame, and what self-stresses add
   /// to its reaction on the child there; both as columns.
   [[nodiscard]] Mat6X permitted_by(int joint) const;
-  [[nodiscard]] Mat6X stresses_of(int joint) const { return joints_[joint].reaction * self_stresses_; }
+  [[nodiscard]] Mat6X stresses_of(int joint) const;
   /// The child's frame of a joint seen from the parent's.
   [[nodiscard]] const RelativeMotion& placement_of(int joint) const { return joints_[joint].relative; }
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "common/decompositions.h"
+#include "common/products.h"
 
 namespace concord::compare {
 
@@ -13,6 +14,8 @@ namespace {
 int count_above(const VecX& sizes, double threshold) { return static_cast<int>((sizes.array() > threshold).count()); }
 
 }  // namespace
+
+Mat3 OpenDirections::projector() const { return outside_span(directions, Mat3::Identity()); }
 
 OpenDirections open_directions(const MachineConstraints& constraints, int joint, Side side, int part) {
   constexpr double kIndependent = 1e-6;
@@ -26,7 +29,7 @@ OpenDirections open_directions(const MachineConstraints& constraints, int joint,
   const VecX sizes = singular_values(carried);
   open.carried = count_above(sizes, kIndependent * std::max(sizes.maxCoeff(), kIndependent));
   if (constraints.self_stresses().cols() == 0) return open;
-  const Svd moved = svd_of(carried * constraints.self_stresses());
+  const Svd moved = svd_of(product(carried, constraints.self_stresses()));
   const double least = constraints.unmoved();
   const int n = count_above(moved.sigma, least);
   open.directions = moved.U.leftCols(n);

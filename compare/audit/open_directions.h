@@ -17,7 +17,7 @@ struct OpenDirections {
   bool is_clear = true;
 
   /// On what is unique.
-  [[nodiscard]] Mat3 projector() const { return Mat3::Identity() - directions * directions.transpose(); }
+  [[nodiscard]] Mat3 projector() const;
 };
 
 OpenDirections open_directions(const MachineConstraints& constraints, int joint, Side side, int part);

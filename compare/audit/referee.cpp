@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "common/decompositions.h"
+#include "common/products.h"
 #include "common/rotation.h"
 #include "compare/audit/places.h"
 
@@ -362,7 +363,7 @@ Vec6 referee_coordinate_wrench(const JointType& type, const joints::FunctionOfCo
   if (n == 0) return Vec6::Zero();
   const Mat6X S = motion.S.leftCols(n);
   const Mat6X span = referee_wrench_directions(type, motion.placement, S);
-  const MatX work = S.transpose() * span;
+  const MatX work = transposed_product(S, span);
   return span * solve_by_complete_pivoting(work, tau);
 }
 

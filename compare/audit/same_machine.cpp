@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/flexible/beam.h"
+#include "common/products.h"
 #include "compare/audit/beam_statement.h"
 
 namespace concord::compare {
@@ -59,7 +60,7 @@ MatX integrals_in_world(const Placed& one) {
   to_world(0, 0) = 1.0;
   to_world.block<3, 1>(1, 0) = one.pose.r;
   for (Eigen::Index first = 1; first < G.rows(); first += 3) to_world.block<3, 3>(first, first) = one.pose.A;
-  return to_world * G * to_world.transpose();
+  return congruence(to_world.transpose(), G);
 }
 
 /// G, added up anew point by point.

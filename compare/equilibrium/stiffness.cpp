@@ -9,6 +9,7 @@
 
 #include "common/decompositions.h"
 #include "common/error.h"
+#include "common/products.h"
 
 namespace concord::compare {
 
@@ -107,9 +108,9 @@ void refine_soft_directions(const AccelerationsAt& accelerations, const Accelera
 /// way, for which nothing is decided yet.
 MatX feigned_stiffness(const Chart& chart, const MatX& rows, const MatX& columns, const VecX& f, double most) {
   const VecX accelerations = (chart.basis() * f).cwiseAbs();
-  const MatX seen = (chart.basis() * rows).cwiseAbs();
+  const MatX seen = product(chart.basis(), rows).cwiseAbs();
   MatX feigned = MatX::Zero(rows.cols(), columns.cols());
-  const MatX moved = (chart.basis() * columns).cwiseAbs();
+  const MatX moved = product(chart.basis(), columns).cwiseAbs();
   Eigen::Index row = 0;
   for (std::size_t i = 1; i < chart.origin().bodies.size(); ++i) {
     const Eigen::Index size = 6 + chart.origin().bodies[i].a.size();
@@ -194,32 +195,35 @@ StiffnessSplit::StiffnessSplit(const Chart& chart, const Stiffness& stiffness, c
   if (m > 0) range = orthogonal_completion(J.leftCols(m));
   onto_modes_ = range.leftCols(m);
   beyond_ = range.rightCols(n - m);
-  R11_ = onto_modes_.transpose() * J.leftCols(m);
-  R12_ = onto_modes_.transpose() * J.rightCols(n - m);
+  R11_ = transposed_product(onto_modes_, J.leftCols(m));
+  R12_ = transposed_product(onto_modes_, J.rightCols(n - m));
   free_ = MatX(n, 0);
   if (n == m) return;
   // Rigid motions, in which modes follow statically.
   MatX motions = MatX::Zero(n, n - m);
   motions.bottomRows(n - m).setIdentity();
   if (m > 0) motions.topRows(m) = -least_squares(R11_, R12_);
-  const MatX round_off = 4.0 * kEpsilon * (beyond_.cwiseAbs().transpose() * J.cwiseAbs() * motions.cwiseAbs());
+  const MatX round_off =
+      4.0 * kEpsilon * transposed_product(beyond_.cwiseAbs(), product(J.cwiseAbs(), motions.cwiseAbs()));
   const MatX feigned = feigned_stiffness(chart, beyond_, motions, f, kNearRest * scale.reference);
   MatX of_scale = MatX::Identity(n - m, n - m) * (kRoundOffOfReference * scale.reference);
   for (Eigen::Index row = 0; row < n - m; ++row) {
     of_scale.row(row).array() += scale.unresolved_along(beyond_.col(row)) / kFinestStep;
   }
-  split(beyond_.transpose() * J.rightCols(n - m), beyond_.transpose() * stiffness.error * motions,
+  split(transposed_product(beyond_, J.rightCols(n - m)), transposed_product(beyond_, product(stiffness.error, motions)),
         round_off + feigned + of_scale);
   const MatX directions = free_;
-  free_ = motions * directions;
+  free_ = product(motions, directions);
 }
 
 void StiffnessSplit::split(const MatX& stiffness, const MatX& error, const MatX& round_off) {
   const Eigen::JacobiSVD<MatX> svd(stiffness, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const VecX& sigma = svd.singularValues();
   const Eigen::Index n = sigma.size();
-  const MatX unresolved = (svd.matrixU().transpose() * error * svd.matrixV()).cwiseAbs() +
-                          svd.matrixU().cwiseAbs().transpose() * round_off * svd.matrixV().cwiseAbs();
+  const MatX& U = svd.matrixU();
+  const MatX& V = svd.matrixV();
+  const MatX unresolved = transposed_product(U, product(error, V)).cwiseAbs() +
+                          transposed_product(U.cwiseAbs(), product(round_off, V.cwiseAbs()));
   // Of a direction among those that are at most as stiff, and what those that are stiffer pass on to it.
   const auto least_in = [&](Eigen::Index k) {
     double least = unresolved.bottomRightCorner(n - k, n - k).norm();
@@ -233,10 +237,10 @@ void StiffnessSplit::split(const MatX& stiffness, const MatX& error, const MatX&
   largest_ = sigma(0);
   least_ = least_in(std::min(rank, n - 1));
   const Eigen::Index missing = n - rank;
-  pseudo_inverse_ = svd.matrixV().leftCols(rank) * sigma.head(rank).cwiseInverse().asDiagonal() *
-                    svd.matrixU().leftCols(rank).transpose();
-  unmet_projector_ = svd.matrixU().rightCols(missing) * svd.matrixU().rightCols(missing).transpose();
-  free_ = svd.matrixV().rightCols(missing);
+  pseudo_inverse_ =
+      product(V.leftCols(rank) * sigma.head(rank).cwiseInverse().asDiagonal(), U.leftCols(rank).transpose());
+  unmet_projector_ = product(U.rightCols(missing), U.rightCols(missing).transpose());
+  free_ = V.rightCols(missing);
 }
 
 VecX StiffnessSplit::newton_step(const VecX& f) const {

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
+#include "common/decompositions.h"
 #include "common/joints/weld.h"
 #include "common/overloaded.h"
 #include "compare/audit/places.h"
@@ -47,10 +47,10 @@ Body take_share(Body& body, double share) {
   Body part = body;
   part.mass = share * body.mass;
   const Mat3 second = 0.5 * body.inertia_L.trace() * Mat3::Identity() - body.inertia_L;  // integral of x x^T
-  const Eigen::SelfAdjointEigenSolver<Mat3> extents(second);
+  const SymmetricEigenpairs extents = symmetric_eigenpairs(second);
   const double both = share * (1.0 - share) * body.mass;
-  const double longest = std::max(0.0, extents.eigenvalues()(2));
-  const Vec3 apart = (both > 0.0 ? kOfExtent * std::sqrt(longest / both) : 0.0) * extents.eigenvectors().col(2);
+  const double longest = std::max(0.0, extents.values(2));
+  const Vec3 apart = (both > 0.0 ? kOfExtent * std::sqrt(longest / both) : 0.0) * extents.vectors.col(2);
   const Mat3 own = body.inertia_L - both * (apart.squaredNorm() * Mat3::Identity() - apart * apart.transpose());
   part.center_of_mass_L = body.center_of_mass_L + (1.0 - share) * apart;
   part.inertia_L = share * own;

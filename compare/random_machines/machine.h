@@ -35,7 +35,7 @@ Vec4 parameters_of(const Mat3& A);
 struct End {
   int body = 0;
   Vec3 point = Vec3::Zero();
-  Vec4 p = Vec4::Unit(0);
+  Vec4 p{1.0, 0.0, 0.0, 0.0};
   int node = 0;
 };
 

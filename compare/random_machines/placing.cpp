@@ -133,8 +133,7 @@ std::optional<std::vector<bool>> choose_kept(const MatX& rows, const std::vector
   const auto n = rows.cols();
   MatX basis(n, 0);  // orthonormal columns that span the rows so far
   if (rows.rows() > 0) {
-    const Eigen::JacobiSVD<MatX> svd(rows, Eigen::ComputeFullV);
-    basis = svd.matrixV().leftCols(rank_of(rows).rank);
+    basis = svd_of(rows).V.leftCols(rank_of(rows).rank);
   }
   std::vector<bool> kept(words.size(), false);
   for (const int k : order) {

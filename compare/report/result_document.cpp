@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/decompositions.h"
 #include "common/overloaded.h"
 #include "compare/quantities/observe.h"
 #include "compare/report/explanations.h"
@@ -41,11 +41,11 @@ ResultJson or_null(const std::optional<double>& value) { return value ? ResultJs
 /// The box of even density that has a body's mass and inertia: its axes as columns, and half of its edges.
 ResultJson inertia_box(const Body& body) {
   if (!(body.mass > 0.0) || body.inertia_L.isZero(0.0)) return nullptr;
-  const Eigen::SelfAdjointEigenSolver<Mat3> principal(body.inertia_L);
-  if (principal.info() != Eigen::Success) return nullptr;
-  Mat3 axes = principal.eigenvectors();
+  const SymmetricEigenpairs principal = symmetric_eigenpairs(body.inertia_L);
+  if (!principal.values.allFinite()) return nullptr;
+  Mat3 axes = principal.vectors;
   if (axes.determinant() < 0.0) axes.col(2) *= -1.0;
-  const Vec3& moments = principal.eigenvalues();
+  const Vec3 moments = principal.values;
   const double sum = moments.sum() / 2.0;  // of m x^2, m y^2, m z^2
   const Vec3 half = (3.0 / body.mass * (sum - moments.array())).max(0.0).sqrt();
   return {{"axes", numbers(axes)}, {"half", numbers(half)}};

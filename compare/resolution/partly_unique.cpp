@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "common/products.h"
 #include "compare/audit/digits.h"
 #include "compare/audit/places.h"
 #include "compare/resolution/uniqueness.h"
@@ -111,7 +112,7 @@ class OverStates {
       part_.t = state.t;
       carried_ = open.carried;
     }
-    const Mat3X moved = directions - part_.left_out * (part_.left_out.transpose() * directions);
+    const Mat3X moved = outside_span(part_.left_out, directions);
     part_.is_fixed = part_.is_fixed && moved.norm() < kFixed;
     carried_ = std::min(carried_, open.carried);
     sizes_.emplace_back(state.t, (open.projector() * values(0, k)).norm());

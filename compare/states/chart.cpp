@@ -11,6 +11,7 @@
 
 #include "common/decompositions.h"
 #include "common/error.h"
+#include "common/products.h"
 #include "compare/audit/machine_size.h"
 #include "compare/audit/places.h"
 #include "compare/states/motion_names.h"
@@ -104,7 +105,7 @@ void Chart::put_modes_first() {
   if (split.maxPivot() <= kRoundOff) return;
   split.setThreshold(kMovesNoMode);
   n_modal_ = static_cast<int>(split.rank());
-  V_ = V_ * orthogonal_factor(split);
+  V_ = product(V_, orthogonal_factor(split));
 }
 
 /// The solver scales only v, by the machine's length; here modal rows are scaled too, and columns orthonormal again.
@@ -278,7 +279,7 @@ std::optional<State> Chart::at(const VecX& delta, const Rates& rates, const VecX
   Eigen::ColPivHouseholderQR<MatX> onto_chart(map);
   onto_chart.setThreshold(kSameDirection);
   if (tangent.cols() > V_.cols() || onto_chart.rank() < V_.cols()) return std::nullopt;
-  add_velocity(tangent * onto_chart.solve(wanted - rates(*closed)), *closed);
+  add_velocity(tangent * least_squares(onto_chart, wanted - rates(*closed)), *closed);
   return solver_.close(*closed);
 }
 

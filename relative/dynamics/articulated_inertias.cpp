@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/products.h"
 #include "relative/dynamics/joint_factors.h"
 
 namespace concord::relative {
@@ -133,11 +134,11 @@ void ArticulatedInertias::eliminate_rigid(LinkIndex l) {  // (R34), (R35)
 #pragma GCC unroll 6
   for (int j = 0; j < N; ++j) {
 #pragma GCC unroll 6
-    for (int i = j; i < N; ++i) link.L(i, j) = product<kOnlyTurns>(H.col(i).data(), V.col(j));
+    for (int i = j; i < N; ++i) link.L(i, j) = scalar_product<kOnlyTurns>(H.col(i).data(), V.col(j));
   }
   if (!factorize<N>(link.L)) throw_indefinite(l);
 #pragma GCC unroll 6
-  for (int i = 0; i < N; ++i) w(i) = link.tau(i) - product<kOnlyTurns>(H.col(i).data(), p);
+  for (int i = 0; i < N; ++i) w(i) = link.tau(i) - scalar_product<kOnlyTurns>(H.col(i).data(), p);
   substitute_forward<N>(link.L, w);
   divide_by_transpose<N>(link.L, V);
 #pragma GCC unroll 6
@@ -258,9 +259,9 @@ std::optional<MotionWithoutInertia> find_motion_without_inertia(const Articulate
     const ArticulatedBody& link = tree.link(l);
     if (link.n_free == 0) continue;
     const Eigen::Map<const Mat6X> H(tree.free_columns(l).data(), 6, link.n_free);
-    const MatX terms = H.cwiseAbs().transpose() * link.articulated_inertia.cwiseAbs() * H.cwiseAbs();
+    const MatX terms = congruence(H.cwiseAbs(), link.articulated_inertia.cwiseAbs());
     const VecX units = terms.diagonal().unaryExpr([](double size) { return size > 0.0 ? 1.0 / std::sqrt(size) : 1.0; });
-    const MatX scaled = units.asDiagonal() * H.transpose() * link.articulated_inertia * H * units.asDiagonal();
+    const MatX scaled = units.asDiagonal() * congruence(H, link.articulated_inertia) * units.asDiagonal();
     const SymmetricEigenpairs spectrum = symmetric_eigenpairs(scaled);
     if (spectrum.values(0) > kLeast) continue;
     MotionWithoutInertia found{l, JointVector::Zero(link.n_free + link.n_driven)};

@@ -64,10 +64,10 @@ template <int N>
   }
 }
 
-/// Product of a column with six rows; the first three rows of the column vanish where a joint only turns about the
+/// Scalar product with a column of six rows; the first three rows of the column vanish where a joint only turns about the
 /// reference point of a rigid body.
 template <bool kOnlyTurns>
-[[gnu::always_inline]] inline double product(const double* column, const Vec6& other) {
+[[gnu::always_inline]] inline double scalar_product(const double* column, const Vec6& other) {
   if constexpr (kOnlyTurns) return column[3] * other(3) + column[4] * other(4) + column[5] * other(5);
   return Eigen::Map<const Vec6>(column).dot(other);
 }

@@ -7,6 +7,7 @@
 
 #include "common/decompositions.h"
 #include "common/error.h"
+#include "common/products.h"
 #include "relative/rank/loop_rows.h"
 #include "relative/rank/row_rank.h"
 
@@ -87,7 +88,7 @@ class RowsOfPose {
     if (are_many() && damping_ >= kSquaredDamping && rank_ >= Phi_.rows()) {
       way_ = Way::squares;
       is_damped_ = true;
-      MatX squares = Phi_ * Phi_.transpose();
+      MatX squares = product(Phi_, Phi_.transpose());
       squares.diagonal().array() += damping_ * damping_;
       squares_.compute(squares);
       return;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/decompositions.h"
+#include "common/products.h"
 #include "relative/rank/loop_rows.h"
 #include "relative/rank/row_rank.h"
 
@@ -180,7 +181,7 @@ MatX permitted_velocities(const ScaledClosure& scaled, const Coordinates& coordi
   const VecX& speeds = scaled.size().speeds();
   const VecX units = speeds(free);
   const MatX B = equations.kinematics().explicit_B_of_origins();
-  MatX velocities = B(Eigen::all, free) * units.asDiagonal() * N;
+  MatX velocities = product(B(Eigen::all, free) * units.asDiagonal(), N);
   const double length = equations.model().length_scale();  // as every solver counts them
   VecX sizes = VecX::Ones(velocities.rows());
   for (std::size_t i = 1; i < equations.model().bodies.size(); ++i) {
