@@ -95,7 +95,7 @@ MatX smallest_least_squares(const MatX& A, const MatX& B, std::optional<double> 
 MatX kernel_of(const MatX& A) { return A.fullPivLu().kernel(); }
 
 Eigen::MatrixXcd inverse_of(const Eigen::MatrixXcd& A) {
-  if (A.size() == 0) return A;
+  if (A.size() == 0 || !A.allFinite()) return Eigen::MatrixXcd::Constant(A.rows(), A.cols(), kNotANumber);
   const int n = lapack_size(A.rows());
   Eigen::MatrixXcd factors = A;
   Eigen::MatrixXcd inverse = Eigen::MatrixXcd::Identity(n, n);

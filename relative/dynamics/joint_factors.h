@@ -64,8 +64,8 @@ template <int N>
   }
 }
 
-/// Scalar product with a column of six rows; the first three rows of the column vanish where a joint only turns about the
-/// reference point of a rigid body.
+/// Scalar product with a column of six rows; the first three rows of the column vanish where a joint only turns about
+/// the reference point of a rigid body.
 template <bool kOnlyTurns>
 [[gnu::always_inline]] inline double scalar_product(const double* column, const Vec6& other) {
   if constexpr (kOnlyTurns) return column[3] * other(3) + column[4] * other(4) + column[5] * other(5);

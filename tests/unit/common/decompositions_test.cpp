@@ -72,6 +72,16 @@ TEST(Decompositions, OfNothingAndOfWhatIsNotFinite) {
   }
 }
 
+TEST(Decompositions, InverseOfAComplexMatrixMultipliesToOne) {
+  const Eigen::MatrixXcd A = orthogonal(4, 0.7) + std::complex<double>(0.0, 0.5) * orthogonal(4, 2.3);
+  EXPECT_LT((inverse_of(A) * A - Eigen::MatrixXcd::Identity(4, 4)).norm(), 1e-13);
+  Eigen::MatrixXcd singular = A;
+  singular.col(2).setZero();
+  EXPECT_FALSE(inverse_of(singular).allFinite());
+  EXPECT_FALSE(inverse_of(A / 0.0).allFinite());
+  EXPECT_EQ(inverse_of(Eigen::MatrixXcd(0, 0)).size(), 0);
+}
+
 }  // namespace
 TEST(Decompositions, SingularValuesOfNothingAreNone) {
   EXPECT_EQ(singular_values(MatX(3, 0)).size(), 0);
