@@ -43,7 +43,8 @@ void Collocation::write_integrals(double x, Integrals& integrals) const {
   const int panels = 2 + static_cast<int>(vibrations_.fastest() * length_ * x / kPanel);
   PointRow factors;
   for (int i = 0; lambda.size() > 0 && i < panels * kPoints; ++i) {
-    const double at = x * (i / kPoints + rule.points[i % kPoints]) / panels;
+    const int panel = i / kPoints;
+    const double at = x * (panel + rule.points[i % kPoints]) / panels;
     const double weight = length_ * x * rule.weights[i % kPoints] / panels;
     write_interpolation(rule.points.data(), kPoints, at, factors.data());
     for (Eigen::Index k = 0; k < lambda.size(); ++k) {
