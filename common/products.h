@@ -16,6 +16,8 @@ MatX product(const MatrixView& A, const MatrixView& B);
 MatX transposed_product(const MatrixView& A, const MatrixView& B);
 /// T^T A T: a quadratic form A in the coordinates whose directions are the columns of T.
 MatX congruence(const MatrixView& T, const MatrixView& A);
+/// Its diagonal alone: the form of each column.
+VecX diagonal_of_congruence(const MatrixView& T, const MatrixView& A);
 /// A - Q Q^T A: what columns have outside the span of the orthonormal columns of Q.
 MatX outside_span(const MatrixView& Q, const MatrixView& A);
 

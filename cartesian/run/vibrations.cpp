@@ -58,7 +58,7 @@ void Vibrations::renew(Dynamics& dynamics) {
       root.cwiseInverse().asDiagonal() * of_P.vectors.transpose() * unit_.cwiseInverse().asDiagonal();
   inverse_E_ = transposed_product(of_K.vectors, inverse_R);
   lambda_ = of_K.values;
-  twice_delta_ = E_.cwiseProduct(product(damping_, E_)).colwise().sum();  // the diagonal of E^T D E
+  twice_delta_ = diagonal_of_congruence(E_, damping_);
   const VecX delta = 0.5 * twice_delta_.cwiseAbs();
   const VecX beyond = (delta.cwiseAbs2() - lambda_).cwiseMax(0.0).cwiseSqrt();  // of overdamped ones
   fastest_ = lambda_.cwiseAbs().cwiseSqrt().cwiseMax(delta + beyond).maxCoeff();

@@ -217,12 +217,12 @@ ShapeMisfit compute_misfit_of_shapes(const ModalData& modal) {
     const StatedShapes stated = stated_shapes(beam, of, line);
     MatX rest = numbers;
     if (stated.columns.cols() > 0) {
-      const VecX sizes = congruence(stated.columns, line.M).diagonal().cwiseSqrt().cwiseInverse();
+      const VecX sizes = diagonal_of_congruence(stated.columns, line.M).cwiseSqrt().cwiseInverse();
       const MatX scaled = stated.columns * sizes.asDiagonal();
       const MatX M_numbers = product(line.M, numbers);
       rest -= product(scaled, solve_square(congruence(scaled, line.M), transposed_product(scaled, M_numbers)));
     }
-    const VecX squares = congruence(rest, line.M).diagonal();
+    const VecX squares = diagonal_of_congruence(rest, line.M);
     beyond.row(static_cast<Eigen::Index>(of.family)) =
         (squares.cwiseAbs().cwiseSqrt().array() - stated.doubt).cwiseMax(0.0);
   }

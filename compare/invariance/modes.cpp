@@ -1,6 +1,7 @@
 #include "compare/invariance/modes.h"
 
 #include "common/decompositions.h"
+#include "common/products.h"
 
 namespace concord::compare::invariance {
 
@@ -9,8 +10,8 @@ namespace {
 void change_modes(Body& body, const MatX& T) {
   ModalData& modal = *body.modal;
   modal.beam.reset();
-  modal.stiffness = T.transpose() * modal.stiffness * T;
-  modal.damping = T.transpose() * modal.damping * T;
+  modal.stiffness = congruence(T, modal.stiffness);
+  modal.damping = congruence(T, modal.damping);
   modal.frequencies.resize(0);
   MatX X = MatX::Identity(modal.G.rows(), modal.G.cols());
   for (Eigen::Index row = 0; row < T.rows(); ++row) {
@@ -18,7 +19,7 @@ void change_modes(Body& body, const MatX& T) {
       X.block<3, 3>(4 + 3 * row, 4 + 3 * column) = T(column, row) * Mat3::Identity();
     }
   }
-  modal.G = X * modal.G * X.transpose();
+  modal.G = congruence(X.transpose(), modal.G);
   for (ModalNode& node : modal.nodes) {
     node.Psi_t_L = node.Psi_t_L * T;
     node.Psi_r_L = node.Psi_r_L * T;

@@ -259,8 +259,8 @@ std::optional<MotionWithoutInertia> find_motion_without_inertia(const Articulate
     const ArticulatedBody& link = tree.link(l);
     if (link.n_free == 0) continue;
     const Eigen::Map<const Mat6X> H(tree.free_columns(l).data(), 6, link.n_free);
-    const MatX terms = congruence(H.cwiseAbs(), link.articulated_inertia.cwiseAbs());
-    const VecX units = terms.diagonal().unaryExpr([](double size) { return size > 0.0 ? 1.0 / std::sqrt(size) : 1.0; });
+    const VecX terms = diagonal_of_congruence(H.cwiseAbs(), link.articulated_inertia.cwiseAbs());
+    const VecX units = terms.unaryExpr([](double size) { return size > 0.0 ? 1.0 / std::sqrt(size) : 1.0; });
     const MatX scaled = units.asDiagonal() * congruence(H, link.articulated_inertia) * units.asDiagonal();
     const SymmetricEigenpairs spectrum = symmetric_eigenpairs(scaled);
     if (spectrum.values(0) > kLeast) continue;

@@ -26,6 +26,7 @@ TEST_F(ProductsTest, CongruenceIsTheFormInOtherCoordinates) {
   const VecX x = (VecX(2) << 0.5, -2.0).finished();
   const VecX y = (VecX(2) << 3.0, 1.0).finished();
   EXPECT_DOUBLE_EQ(x.dot(congruence(B, form) * y), (B * x).dot(form * (B * y)));
+  EXPECT_EQ(diagonal_of_congruence(B, form), congruence(B, form).diagonal());
 }
 
 TEST_F(ProductsTest, OutsideASpanNothingOfItIsLeft) {
